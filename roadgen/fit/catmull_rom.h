@@ -1,0 +1,57 @@
+// Anchors to a road: Catmull-Rom tangents, one cubic segment per pair of anchors, and the splitting of segments that
+// the mapping could not represent within its certified tolerance.
+//
+// Source: Loviscach 2005, section 4 (uniform Catmull-Rom); Yuksel, Schaefer, Keyser 2011 (centripetal).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "roadgen/road/network.h"
+#include "roadgen/road/result.h"
+
+namespace roadgen {
+
+// A point that the centre line passes through.
+struct Anchor {
+  glm::dvec2 position_m{0, 0};            // ENU
+  double elevation_m = 0;
+  double half_width_m = 3.5;              // > 0
+  std::optional<double> heading_rad = {}; // tangent given by the caller; else Catmull-Rom
+};
+
+enum class Tangents { kUniform, kCentripetal };
+
+// What to do where the curve is tighter than the half width, so that no splitting can make it admissible.
+enum class TightPolicy {
+  kError,   // Error with the place, the radius and the half width
+  kNarrow,  // the road is narrowed there, with a warning; Error only where less than kLeastHalfWidth_m would be left
+};
+inline constexpr double kLeastHalfWidth_m = 0.25;
+
+struct AlignmentOptions {
+  Tangents tangents = Tangents::kUniform;         // Default: as in the paper
+  bool closed = false;                            // the last anchor is joined to the first (do not repeat it)
+  double mapping_tolerance = kMappingTolerance;   // of the half width, in (0, 1). Default: 1e-4
+  TightPolicy tight = TightPolicy::kError;
+  // An anchor closer than this to the one before is a repetition and dropped with a diagnostic. Default: 1 mm
+  double least_distance_m = 1e-3;
+};
+
+// Headings in radians at every anchor, uniform or centripetal; given ones are kept. At the ends of an open road the
+// tangent continues the curve as a circular arc would. Requires: at least two anchors, no two consecutive equal.
+std::vector<double> catmull_rom_headings(std::span<const Anchor> anchors, const AlignmentOptions& options);
+
+// The road through the anchors: passes through every (non-repeated) anchor exactly, tangent continuous, every segment
+// admissible; elevation C1 by the same rule (Catmull-Rom in s), half width C1 with slope 0 at the joints.
+// A segment between two anchors that is not admissible is split: pieces interpolate points and tangents of the
+// parametric cubic through the same anchors and tangents.
+// Errors: fewer than two distinct anchors; not finite; tight (see TightPolicy); a cusp (the road turns on the spot).
+// Cost: O(n log(1/tolerance)).
+Result<Road> road_from_anchors(std::span<const Anchor> anchors, const AlignmentOptions& options,
+                               Diagnostics* diagnostics = nullptr);
+
+}  // namespace roadgen

@@ -1,0 +1,59 @@
+// Measured samples to a road: fewest segments within a stated error, by least squares on the road function's own
+// signed distance v, and a certificate of what was reached.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "roadgen/fit/catmull_rom.h"
+
+namespace roadgen {
+
+// A measured point of the centre line.
+struct Sample {
+  glm::dvec2 position_m{0, 0};  // ENU
+  double elevation_m = 0;
+  double half_width_m = 3.5;
+};
+
+enum class TangentSource { kFit, kCatmullRom };
+
+struct FitOptions {
+  double max_error_m = 0.1;   // greatest allowed horizontal distance of a sample from the curve. > 0
+  double max_elevation_error_m = 1.0;  // likewise vertical; measured heights are coarse
+  bool closed = false;        // the last sample is joined to the first (do not repeat it)
+  TangentSource tangents = TangentSource::kFit;  // kCatmullRom: anchors are thinned samples, tangents by Catmull-Rom
+  Tangents catmull_rom = Tangents::kUniform;
+  TightPolicy tight = TightPolicy::kNarrow;
+  double mapping_tolerance = kMappingTolerance;
+};
+
+// What the import is worth, per road. Distances are those of the samples from the final curve, by the exact nearest
+// point in double, so max_error_m is an upper bound of the true distance as it stands.
+struct Certificate {
+  std::string id;
+  bool closed = false;
+  double length_m = 0;
+  std::size_t samples = 0, anchors = 0, segments = 0;
+  double max_error_m = 0, rms_error_m = 0;
+  double bound_m = 0;  // proven: max_error_m plus the mapping bound of the worst segment
+  double max_elevation_error_m = 0;
+  double max_heading_jump_rad = 0, max_curvature_jump_per_m = 0;
+};
+
+struct FittedRoad {
+  Road road;
+  std::vector<Anchor> anchors;  // with headings: road_from_anchors(anchors) gives the road again
+  Certificate certificate;
+};
+
+// The certificate of any road against samples. Cost: O((samples + segments) log segments).
+Certificate certify(const Road& road, std::span<const Sample> samples, std::size_t anchors);
+
+// Thins the samples to anchors, fits positions and headings of all anchors at once (Ceres, sparse), adds anchors where
+// the error is above max_error_m, and repeats until it holds everywhere.
+// Errors: as road_from_anchors.
+Result<FittedRoad> fit_road(std::span<const Sample> samples, const FitOptions& options,
+                            Diagnostics* diagnostics = nullptr);
+
+}  // namespace roadgen

@@ -1,0 +1,284 @@
+#include "roadgen/road/segment.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace roadgen {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Nodes and weights of the 8-point Gauss-Legendre rule on [-1, 1] (positive half; Abramowitz and Stegun, table 25.4).
+constexpr std::array<double, 4> kGaussNode = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                              0.9602898564975363};
+constexpr std::array<double, 4> kGaussWeight = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                                0.1012285362903763};
+
+// Arc length of the chord-frame curve from u0 to u1, in units of L.
+double arc_between(double u0, double u1, double a, double b) {
+  // The integrand is smooth with |f'| of order 1: four panels of 8 points reach 1e-13.
+  constexpr int kPanels = 4;
+  double sum = 0;
+  for (int panel = 0; panel < kPanels; ++panel) {
+    const double half = (u1 - u0) / (2 * kPanels);
+    const double middle = u0 + half * (2 * panel + 1);
+    for (std::size_t i = 0; i < kGaussNode.size(); ++i) {
+      for (const double node : {-kGaussNode[i], kGaussNode[i]}) {
+        const double df = Lib::road_df(middle + half * node, a, b);
+        sum += half * kGaussWeight[i] * std::sqrt(1 + df * df);
+      }
+    }
+  }
+  return sum;
+}
+
+// Real roots of f' in (0, 1).
+std::array<double, 2> interior_extrema(double a, double b, int& count) {
+  // f' = 3 (a + b) x^2 - (4 a + 2 b) x + a, solved without cancellation.
+  count = 0;
+  std::array<double, 2> roots{};
+  const double p = 3 * (a + b), q = -(4 * a + 2 * b), r = a;
+  const double discriminant = q * q - 4 * p * r;
+  if (discriminant < 0) return roots;
+  const double h = -0.5 * (q + std::copysign(std::sqrt(discriminant), q));
+  for (const double x : {p != 0 ? h / p : -1.0, h != 0 ? r / h : -1.0}) {
+    if (x > 0 && x < 1) roots[count++] = x;
+  }
+  return roots;
+}
+
+// Upper bound of |f f'| on [0, 1]: values at midpoints plus a Lipschitz constant.
+double max_residual(double a, double b, double f0, double f1, double f2) {
+  constexpr int kPieces = 32;
+  double worst = 0;
+  for (int i = 0; i < kPieces; ++i) {
+    const double x = (i + 0.5) / kPieces;
+    worst = std::max(worst, std::abs(Lib::road_f(x, a, b) * Lib::road_df(x, a, b)));
+  }
+  return std::min(worst + (f1 * f1 + f0 * f2) * 0.5 / kPieces, f0 * f1);
+}
+
+}  // namespace
+
+Cubic Cubic::hermite(double value0, double slope0, double value1, double slope1, double length_m) {
+  assert(length_m > 0);
+  const double rise = (value1 - value0) / length_m;
+  return {value0, slope0, (3 * rise - 2 * slope0 - slope1) / length_m,
+          (slope0 + slope1 - 2 * rise) / (length_m * length_m)};
+}
+
+Cubic::Range Cubic::range(double length_m) const {
+  Range r{std::min(c0, value(length_m)), std::max(c0, value(length_m))};
+  if (c2 == 0 && c3 == 0) return r;
+  // Stationary points: 3 c3 s^2 + 2 c2 s + c1 = 0.
+  const double discriminant = c2 * c2 - 3 * c3 * c1;
+  if (discriminant < 0) return r;
+  const double h = -(c2 + std::copysign(std::sqrt(discriminant), c2));
+  for (const double s : {c3 != 0 ? h / (3 * c3) : -1.0, h != 0 ? c1 / h : -1.0}) {
+    if (s > 0 && s < length_m) {
+      r.low = std::min(r.low, value(s));
+      r.high = std::max(r.high, value(s));
+    }
+  }
+  return r;
+}
+
+double Segment::chord_length_m() const { return glm::length(chord_m()); }
+
+void set_arc(Segment& segment) {
+  const double a = segment.slope_start, b = segment.slope_end, length = segment.chord_length_m();
+  assert(length > 0 && std::isfinite(length));
+  const double arc = arc_between(0, 1, a, b);
+  // Two conditions, at u = 1/4 and 3/4, where u^2 (1 - u)^2 = 9/256.
+  const double quarter = arc_between(0, 0.25, a, b) - Lib::road_arc(0.25, a, b, arc, 0.0, 0.0);
+  const double three_quarters = arc_between(0, 0.75, a, b) - Lib::road_arc(0.75, a, b, arc, 0.0, 0.0);
+  segment.arc_c0 = (quarter + three_quarters) * 0.5 * 256.0 / 9.0;
+  segment.arc_c1 = (three_quarters - quarter) * 2.0 * 256.0 / 9.0;
+  segment.arc_m = arc * length;
+
+  constexpr int kProbes = 16;
+  double error = 0, exact = 0;
+  for (int i = 1; i < kProbes; ++i) {
+    const double u = static_cast<double>(i) / kProbes;
+    exact += arc_between(u - 1.0 / kProbes, u, a, b);
+    error = std::max(error, std::abs(Lib::road_arc(u, a, b, arc, segment.arc_c0, segment.arc_c1) - exact));
+  }
+  segment.arc_error_m = error * length;
+}
+
+void set_bound(Segment& segment) {
+  segment.bound =
+      mapping_bound(segment.slope_start, segment.slope_end, segment.max_half_width_m() / segment.chord_length_m());
+}
+
+Segment make_segment(glm::dvec2 start_m, glm::dvec2 end_m, double heading_start_rad, double heading_end_rad,
+                     double half_width_m) {
+  Segment s;
+  s.start_m = start_m;
+  s.end_m = end_m;
+  const glm::dvec2 chord = s.chord_m();
+  const double chord_heading = std::atan2(chord.y, chord.x);
+  assert(std::cos(heading_start_rad - chord_heading) > 0 && std::cos(heading_end_rad - chord_heading) > 0);
+  s.slope_start = std::tan(heading_start_rad - chord_heading);
+  s.slope_end = std::tan(heading_end_rad - chord_heading);
+  s.half_width_m = {half_width_m, 0, 0, 0};
+  set_arc(s);
+  set_bound(s);
+  return s;
+}
+
+Cubic::Range curve_range(double slope_start, double slope_end) {
+  Cubic::Range r{0, 0};
+  int count = 0;
+  const auto roots = interior_extrema(slope_start, slope_end, count);
+  for (int i = 0; i < count; ++i) {
+    const double f = Lib::road_f(roots[i], slope_start, slope_end);
+    r.low = std::min(r.low, f);
+    r.high = std::max(r.high, f);
+  }
+  return r;
+}
+
+MappingBound mapping_bound(double a, double b, double w) {
+  const MappingBound none{kInfinity, kInfinity};
+  if (!std::isfinite(a) || !std::isfinite(b) || !(w >= 0) || !std::isfinite(w)) return none;
+  const Cubic::Range f = curve_range(a, b);
+  const double f0 = std::max(-f.low, f.high);
+  double f1 = std::max(std::abs(a), std::abs(b));
+  if (a + b != 0) {
+    const double x = (4 * a + 2 * b) / (6 * (a + b));  // where f'' = 0
+    if (x > 0 && x < 1) f1 = std::max(f1, std::abs(Lib::road_df(x, a, b)));
+  }
+  const double f2 = std::max(std::abs(4 * a + 2 * b), std::abs(2 * a + 4 * b));
+  const double f3 = 6 * std::abs(a + b);
+  if (f2 == 0) return {0, 0};  // straight: the mapping is exact
+  if ((f0 + w) * f2 >= 1) return none;
+
+  // e (p - F1 F2 e) <= E, and e grows from 0 at the joints: e is at most the smaller root.
+  const double p = 1 - w * f2, residual = max_residual(a, b, f0, f1, f2);
+  const double discriminant = p * p - 4 * f1 * f2 * residual;
+  if (p <= 0 || discriminant < 0) return none;
+  const double e = 2 * residual / (p + std::sqrt(discriminant));
+
+  const double reach = w + f1 * e;
+  const double least_slope = 1 - reach * f2;
+  if (least_slope <= 0.05) return none;  // road_newton's own limit
+  const double after_step = std::min(e, (3 * f1 * f2 + reach * f3) * e * e / (2 * least_slope));
+  return {f2 * (1 + f1 * f1 + reach * f2) * after_step * after_step / 2, after_step};
+}
+
+bool is_admissible(const Segment& segment, double tolerance) {
+  const double w = segment.max_half_width_m() / segment.chord_length_m();
+  return segment.bound.v <= tolerance * w && segment.arc_error_m <= kArcTolerance_m;
+}
+
+glm::dvec2 to_chord(const Segment& segment, glm::dvec2 point_m) {
+  const glm::dvec2 c = segment.chord_m(), d = point_m - segment.start_m;
+  const double inverse = 1 / glm::dot(c, c);
+  return glm::dvec2(glm::dot(c, d), c.x * d.y - c.y * d.x) * inverse;
+}
+
+glm::dvec2 from_chord(const Segment& segment, glm::dvec2 point) {
+  const glm::dvec2 c = segment.chord_m();
+  return segment.start_m + c * point.x + glm::dvec2(-c.y, c.x) * point.y;
+}
+
+glm::dvec2 position_m(const Segment& segment, double u) {
+  if (u == 1) return segment.end_m;
+  return from_chord(segment, {u, Lib::road_f(u, segment.slope_start, segment.slope_end)});
+}
+
+double heading_rad(const Segment& segment, double u) {
+  const glm::dvec2 c = segment.chord_m();
+  const double df = Lib::road_df(u, segment.slope_start, segment.slope_end);
+  return std::atan2(c.y + c.x * df, c.x - c.y * df);
+}
+
+double curvature_per_m(const Segment& segment, double u) {
+  const double df = Lib::road_df(u, segment.slope_start, segment.slope_end);
+  const double q = 1 + df * df;
+  return Lib::road_ddf(u, segment.slope_start, segment.slope_end) / (q * std::sqrt(q) * segment.chord_length_m());
+}
+
+double arc_at(const Segment& segment, double u) {
+  const double length = segment.chord_length_m();
+  return length * Lib::road_arc(u, segment.slope_start, segment.slope_end, segment.arc_m / length, segment.arc_c0,
+                                segment.arc_c1);
+}
+
+double u_at_arc(const Segment& segment, double s_m) {
+  if (s_m <= 0) return 0;
+  if (s_m >= segment.arc_m) return 1;
+  const double length = segment.chord_length_m(), arc = segment.arc_m / length, target = s_m / length;
+  const double a = segment.slope_start, b = segment.slope_end;
+  // Newton inside a shrinking bracket; road_arc increases with u.
+  double low = 0, high = 1, u = s_m / segment.arc_m;
+  for (int i = 0; i < 60; ++i) {
+    const double miss = Lib::road_arc(u, a, b, arc, segment.arc_c0, segment.arc_c1) - target;
+    (miss > 0 ? high : low) = u;
+    const double slope = Lib::road_darc(u, a, b, arc, segment.arc_c0, segment.arc_c1);
+    double next = slope > 0 ? u - miss / slope : 0.5 * (low + high);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - u) < 1e-15) return next;
+    u = next;
+  }
+  return u;
+}
+
+Lib::RoadCoord project(const Segment& segment, glm::dvec2 point_m) {
+  const glm::dvec2 p = to_chord(segment, point_m);
+  return Lib::road_project(p.x, p.y, segment.slope_start, segment.slope_end);
+}
+
+Nearest nearest(const Segment& segment, glm::dvec2 point_m) {
+  const glm::dvec2 p = to_chord(segment, point_m);
+  const double a = segment.slope_start, b = segment.slope_end;
+  const auto distance2 = [&](double u) {
+    const double dx = p.x - u, dy = p.y - Lib::road_f(u, a, b);
+    return dx * dx + dy * dy;
+  };
+  // The squared distance is a polynomial of degree 6: at most three minima. Start from the best of a few samples.
+  constexpr int kSamples = 8;
+  int best = 0;
+  double least = kInfinity;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double d = distance2(static_cast<double>(i) / kSamples);
+    if (d < least) least = d, best = i;
+  }
+  double low = std::max(0.0, (best - 1.0) / kSamples), high = std::min(1.0, (best + 1.0) / kSamples);
+  double u = static_cast<double>(best) / kSamples;
+  for (int i = 0; i < 60; ++i) {
+    const double d = p.y - Lib::road_f(u, a, b), df = Lib::road_df(u, a, b);
+    const double toward = p.x - u + d * df;  // positive: the nearest point lies at greater u
+    (toward > 0 ? low : high) = u;
+    const double slope = d * Lib::road_ddf(u, a, b) - df * df - 1;
+    double next = slope < 0 ? u - toward / slope : 0.5 * (low + high);
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    const bool still = std::abs(next - u) < 1e-15;
+    u = next;
+    if (still) break;
+  }
+  return {u, std::sqrt(distance2(u)) * segment.chord_length_m()};
+}
+
+Quad fitted_quad(const Segment& segment) {
+  const double a = segment.slope_start, b = segment.slope_end;
+  const double w = segment.max_half_width_m() / segment.chord_length_m();
+  const Cubic::Range f = curve_range(a, b);
+  // Where both slopes have one sign the offset curve's extremum lies at a joint, at f = 0: the shift by W covers it.
+  Quad quad;
+  quad.y_low = f.low - w;
+  quad.y_high = f.high + w;
+  // The line u = 0 is x = -a y, the line u = 1 is x = 1 - b y.
+  quad.corner[0] = {-a * quad.y_low, quad.y_low};
+  quad.corner[1] = {-a * quad.y_high, quad.y_high};
+  quad.corner[2] = {1 - b * quad.y_low, quad.y_low};
+  quad.corner[3] = {1 - b * quad.y_high, quad.y_high};
+  return quad;
+}
+
+}  // namespace roadgen

@@ -1,0 +1,123 @@
+// One road segment: a cubic over the chord between two anchors, with its elevation and width, and the mapping between
+// the world and (s, t). Everything here is the double-precision twin of what the pixel shader evaluates
+// (shaders/lib/road.glsl).
+//
+// Frames. World: ENU metres (x east, y north, z up). Chord frame: origin at the start anchor, x along the chord to
+// (1, 0) at the end anchor, y to the left, divided by the chord length L.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "shaders/lib/glsl.h"
+
+namespace roadgen {
+
+// c0 + c1 s + c2 s^2 + c3 s^3, with s in metres from the start of the segment.
+struct Cubic {
+  double c0 = 0, c1 = 0, c2 = 0, c3 = 0;
+
+  double value(double s_m) const { return c0 + s_m * (c1 + s_m * (c2 + s_m * c3)); }
+  double slope(double s_m) const { return c1 + s_m * (2 * c2 + s_m * 3 * c3); }
+  double second(double s_m) const { return 2 * c2 + 6 * c3 * s_m; }
+
+  // The cubic with the given values and slopes at 0 and at length_m > 0.
+  static Cubic hermite(double value0, double slope0, double value1, double slope1, double length_m);
+
+  // Least and greatest value on [0, length_m], exact up to rounding.
+  struct Range { double low, high; };
+  Range range(double length_m) const;
+};
+
+// What the mapping can be wrong by, over a whole footprint; proven, not sampled. See mapping_bound.
+struct MappingBound {
+  double v = 0;  // of |v - exact| / L
+  double u = 0;  // of |u - exact|
+};
+
+struct Segment {
+  glm::dvec2 start_m{0, 0};       // anchors, ENU
+  glm::dvec2 end_m{1, 0};
+  double slope_start = 0;         // a: tangent slope against the chord at the start
+  double slope_end = 0;           // b: and at the end
+  double s_start_m = 0;           // arc length of the road at the start anchor
+  double arc_m = 1;               // arc length of this segment, exact to 1e-12 relative
+  double arc_c0 = 0, arc_c1 = 0;  // inner coefficients of road_arc, per L
+  double arc_error_m = 0;         // measured maximum of |s(u) - exact arc length|
+  Cubic elevation_m;              // z(s - s_start)
+  Cubic half_width_m{3.5, 0, 0, 0};
+  MappingBound bound;             // for the greatest half width
+
+  glm::dvec2 chord_m() const { return end_m - start_m; }
+  double chord_length_m() const;
+  double max_half_width_m() const { return half_width_m.range(arc_m).high; }
+};
+
+// The default of what a segment may be wrong by, as a part of the half width W: |v - exact| <= 1e-4 W.
+inline constexpr double kMappingTolerance = 1e-4;
+// And of the arc length polynomial, in metres.
+inline constexpr double kArcTolerance_m = 1e-3;
+
+// Fills arc_m, arc_c0, arc_c1 and arc_error_m from the anchors and slopes. Requires: distinct finite anchors.
+// Source: Gauss-Legendre quadrature of sqrt(1 + f'^2).
+void set_arc(Segment& segment);
+
+// Fills bound from the slopes and the greatest half width. Requires: set_arc and half_width_m done.
+void set_bound(Segment& segment);
+
+// A segment between two anchors with the headings (radians, counter-clockwise from east) of the centre line there,
+// level at elevation 0, with constant half width. Requires: distinct finite anchors, headings less than 90 degrees off
+// the chord.
+Segment make_segment(glm::dvec2 start_m, glm::dvec2 end_m, double heading_start_rad, double heading_end_rad,
+                     double half_width_m);
+
+// Proven upper bound of the error of road_project over the footprint 0 <= u <= 1, |v| <= half_width / L, in real
+// arithmetic; infinity where no bound can be given (the segment is then inadmissible and must be split).
+//
+// Derivation. Let w = half_width / L, and F0, F1, F2, F3 the maxima of |f|, |f'|, |f''|, |f'''| on [0, 1].
+// Equation 2 is equation 1, F(u) = x - u + (y - f) f' = 0, without the term -f f', so F(u1) = -f(u1) f'(u1), and
+// |F(u1)| <= E = max |f f'|. |F'| = |1 + f'^2 - (y - f) f''| >= 1 - (w + F1 e) F2 wherever |u - u*| <= e, so the error e
+// of u1 satisfies e (1 - (w + F1 e) F2) <= E. Newton's step leaves e' <= M e^2 / (2 m) with M = 3 F1 F2 + (w + F1 e) F3
+// >= |F''| and m the lower bound of |F'|. And dv/du = -f'' F / (1 + f'^2)^(3/2), so
+// |v - v*| <= F2 (1 + F1^2 + (w + F1 e) F2) e'^2 / 2. Equation 3 picks the right root where (F0 + w) F2 < 1.
+MappingBound mapping_bound(double slope_start, double slope_end, double half_width_over_chord);
+
+// True where the mapping bound is at most tolerance * W and the arc polynomial is within kArcTolerance_m.
+bool is_admissible(const Segment& segment, double tolerance = kMappingTolerance);
+
+// Chord frame <-> world, horizontally.
+glm::dvec2 to_chord(const Segment& segment, glm::dvec2 point_m);
+glm::dvec2 from_chord(const Segment& segment, glm::dvec2 point);
+
+// The centre line at u in [0, 1].
+glm::dvec2 position_m(const Segment& segment, double u);
+double heading_rad(const Segment& segment, double u);          // in (-pi, pi]
+double curvature_per_m(const Segment& segment, double u);      // positive to the left
+
+// Arc length in metres from the segment's start at u, by the polynomial that the shader uses; and its inverse, for
+// s in [0, arc_m] (clamped), to 1e-12 of arc_m.
+double arc_at(const Segment& segment, double u);
+double u_at_arc(const Segment& segment, double s_m);
+
+// (u, v) of a point by the road function, v in units of L: what the pixel shader computes.
+using Lib = glsl::Library<double>;
+Lib::RoadCoord project(const Segment& segment, glm::dvec2 point_m);
+
+// The truly nearest point of the segment's centre line to a point, anywhere in the plane; by bracketing and Newton in
+// double, not by the road function. distance_m is unsigned; u in [0, 1].
+struct Nearest { double u, distance_m; };
+Nearest nearest(const Segment& segment, glm::dvec2 point_m);
+
+// The four corners of the fitted quad (paper, Fig. 5) in the chord frame: start right, start left, end right, end left.
+// Its start and end sides run through the anchors perpendicular to the tangents; the two others are parallel to the
+// chord, shifted to the extrema of f plus the greatest half width. It covers the segment with 0 <= u <= 1.
+struct Quad {
+  glm::dvec2 corner[4];
+  double y_low, y_high;
+};
+Quad fitted_quad(const Segment& segment);
+
+// Least and greatest value of f on [0, 1].
+Cubic::Range curve_range(double slope_start, double slope_end);
+
+}  // namespace roadgen
