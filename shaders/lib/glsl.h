@@ -103,11 +103,17 @@ template <class Real>
 struct Library {
   using vec2 = glm::vec<2, Real>;
   using vec3 = glm::vec<3, Real>;
+  using uint = unsigned int;
 #define float Real
 #define FN static
 #define IN(T) T
 #define OUT(T) T&
 #include "shaders/lib/road.glsl"
+#include "shaders/lib/surface.glsl"
+#include "shaders/lib/marking.glsl"
+#include "shaders/lib/noise.glsl"
+#include "shaders/lib/sky.glsl"
+#include "shaders/lib/ground.glsl"
 #undef OUT
 #undef IN
 #undef FN

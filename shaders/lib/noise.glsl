@@ -1,0 +1,60 @@
+// Band-limited noise on a lattice that repeats every NOISE_PERIOD metres, so that coordinates may be reduced by that
+// period in double precision before they reach the GPU, and a world far from its origin looks the same.
+
+#define NOISE_PERIOD 4096.0
+
+// A bijective mixer of 32 bits (multiply-xorshift; constants by C. Wellons, public domain, hash-prospector).
+FN uint noise_hash(IN(uint) x) {
+  uint h = x;
+  h ^= h >> 16u;
+  h *= 0x7feb352du;
+  h ^= h >> 15u;
+  h *= 0x846ca68bu;
+  h ^= h >> 16u;
+  return h;
+}
+
+// Uniform in [-1, 1) at a lattice point; cells is the period in cells, a power of two.
+FN float noise_lattice(IN(int) i, IN(int) j, IN(int) cells) {
+  uint h = noise_hash(uint(i & (cells - 1)) + 0x9e3779b9u * uint(j & (cells - 1)) + uint(cells));
+  return float(int(h >> 8u)) * (2.0 / 16777216.0) - 1.0;
+}
+
+// Value noise in [-1, 1] with the given wavelength (a power of two, 1/64 to 1024 m), C2.
+FN float noise_value(IN(float) x, IN(float) y, IN(float) wavelength) {
+  float px = x / wavelength;
+  float py = y / wavelength;
+  float fx = floor(px);
+  float fy = floor(py);
+  int i = int(fx);
+  int j = int(fy);
+  int cells = int(NOISE_PERIOD / wavelength);
+  float tx = px - fx;
+  float ty = py - fy;
+  float wx = tx * tx * tx * (tx * (tx * 6.0 - 15.0) + 10.0);
+  float wy = ty * ty * ty * (ty * (ty * 6.0 - 15.0) + 10.0);
+  float low = mix(noise_lattice(i, j, cells), noise_lattice(i + 1, j, cells), wx);
+  float high = mix(noise_lattice(i, j + 1, cells), noise_lattice(i + 1, j + 1, cells), wx);
+  return mix(low, high, wy);
+}
+
+// How much of a wavelength survives a pixel footprint (both in metres): 1 when well resolved, 0 below two pixels.
+FN float noise_band(IN(float) wavelength, IN(float) footprint) {
+  return clamp(2.0 - 4.0 * footprint / wavelength, float(0.0), float(1.0));
+}
+
+// Sum of octaves from the given wavelength downward, each half as long and weighted by gain; octaves that the
+// footprint cannot resolve fade out.
+FN float noise_fractal(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) octaves, IN(float) gain,
+                       IN(float) footprint) {
+  float sum = float(0.0);
+  float weight = float(1.0);
+  float length_m = wavelength;
+  for (int octave = 0; octave < octaves; ++octave) {
+    float band = noise_band(length_m, footprint);
+    if (band > 0.0) sum += weight * band * noise_value(x, y, length_m);
+    weight *= gain;
+    length_m *= 0.5;
+  }
+  return sum;
+}
