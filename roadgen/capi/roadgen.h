@@ -1,0 +1,109 @@
+/* roadgen for simulators: the C interface.
+ *
+ * Load a road network, place a camera, render into your own memory, and ask where on which road a point lies. Link with
+ * `roadgen::roadgen` of the CMake package roadgen, or with pkg-config roadgen.
+ *
+ * Frames and units: metres, right-handed ENU (x east, y north, z up); s along a road from its start, t to the left.
+ * Errors: every function that can fail returns a roadgen_status; the text is kept per thread (roadgen_last_error).
+ * Nothing is thrown across this interface. Threads: a handle may be used by one thread at a time; queries
+ * (roadgen_to_road, roadgen_to_world) on one network may run in many threads at once.
+ */
+#ifndef ROADGEN_CAPI_ROADGEN_H
+#define ROADGEN_CAPI_ROADGEN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define ROADGEN_API __attribute__((visibility("default")))
+#else
+#define ROADGEN_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum roadgen_status {
+  ROADGEN_OK = 0,
+  ROADGEN_DATA_ERROR = 1,  /* a file or its content is at fault */
+  ROADGEN_USAGE_ERROR = 2, /* an argument is out of its range */
+  ROADGEN_CONTEXT_ERROR = 3 /* no OpenGL context, or the GPU refused */
+} roadgen_status;
+
+/* What went wrong in the last failing call of this thread: one line. Valid until the next failing call. Never NULL. */
+ROADGEN_API const char* roadgen_last_error(void);
+
+/* "0.1.0" */
+ROADGEN_API const char* roadgen_version(void);
+
+/* ---- Network ---- */
+
+typedef struct roadgen_network roadgen_network;
+
+/* Reads an OpenDRIVE file (.xodr) as `roadgen import` writes it. On failure *network is NULL. */
+ROADGEN_API roadgen_status roadgen_network_load(const char* path, roadgen_network** network);
+/* NULL is allowed. */
+ROADGEN_API void roadgen_network_free(roadgen_network* network);
+
+ROADGEN_API size_t roadgen_road_count(const roadgen_network* network);
+/* Id and length of road `index` in [0, count). Valid as long as the network; NULL and 0 out of range. */
+ROADGEN_API const char* roadgen_road_id(const roadgen_network* network, size_t index);
+ROADGEN_API double roadgen_road_length_m(const roadgen_network* network, size_t index);
+
+/* ---- Queries ---- */
+
+typedef struct roadgen_road_point {
+  int64_t road;      /* index, or -1: no road within reach */
+  double s_m, t_m;   /* along, and to the left of, the reference line */
+  double height_m;   /* of the asked point above the surface */
+  double distance_m; /* horizontally to the carriageway: 0 on it */
+} roadgen_road_point;
+
+typedef struct roadgen_pose {
+  double position_m[3];
+  double heading_rad, pitch_rad, roll_rad;
+  double curvature_per_m;
+} roadgen_pose;
+
+/* World to road for `count` points xyz[3 * i]: the nearest road whose carriageway is within reach_m horizontally. */
+ROADGEN_API roadgen_status roadgen_to_road(const roadgen_network* network, size_t count, const double* xyz,
+                                           double reach_m, roadgen_road_point* points);
+/* Road to world for `count` triples: road index, s, t. s is clamped to the road, wrapped where it is closed. */
+ROADGEN_API roadgen_status roadgen_to_world(const roadgen_network* network, size_t count, const int64_t* road,
+                                            const double* s_m, const double* t_m, roadgen_pose* poses);
+
+/* ---- Rendering ---- */
+
+typedef struct roadgen_renderer roadgen_renderer;
+
+typedef enum roadgen_context {
+  ROADGEN_CONTEXT_OSMESA = 0, /* software, needs neither GPU nor display */
+  ROADGEN_CONTEXT_EGL = 1,    /* no display: the default EGL device */
+  ROADGEN_CONTEXT_WINDOW = 2  /* a hidden window's context */
+} roadgen_context;
+
+typedef struct roadgen_camera {
+  double position_m[3];
+  double yaw_deg, pitch_deg, roll_deg; /* counter-clockwise from east; up; right side down */
+  double fov_deg;                      /* vertical, in (0, 170] */
+} roadgen_camera;
+
+/* A renderer for the network, with ground made from the DEM file (SRTM .hgt, GeoTIFF, ASCII grid), or from the roads'
+ * own heights where dem_path is NULL. The network is copied. On failure *renderer is NULL. */
+ROADGEN_API roadgen_status roadgen_renderer_create(const roadgen_network* network, const char* dem_path,
+                                                   roadgen_context context, roadgen_renderer** renderer);
+ROADGEN_API void roadgen_renderer_free(roadgen_renderer* renderer);
+
+ROADGEN_API roadgen_status roadgen_set_camera(roadgen_renderer* renderer, const roadgen_camera* camera);
+
+/* Renders width x height pixels into the caller's memory, rows from the top left. color: RGBA, 4 bytes a pixel, sRGB;
+ * depth_m: one float a pixel, distance along the view axis in metres, +inf where nothing is. Either may be NULL. */
+ROADGEN_API roadgen_status roadgen_render(roadgen_renderer* renderer, int width, int height, uint8_t* color,
+                                          float* depth_m);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

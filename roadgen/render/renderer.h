@@ -1,0 +1,88 @@
+// Draws a network and its ground: picture, depth, labels, normals and road coordinates of one camera.
+//
+//   auto context = Context::create({.kind = ContextKind::kOsmesa});
+//   auto renderer = Renderer::create(**context);
+//   renderer->load_roads(network);
+//   Result<Frame> frame = renderer->render(camera, {.width = 1280, .height = 720});
+//
+// Every road pixel is computed by the road function (shaders/lib/road.glsl), not from a tessellation.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "roadgen/render/camera.h"
+#include "roadgen/render/context.h"
+#include "roadgen/road/network.h"
+#include "terrain/mesh.h"
+
+namespace roadgen {
+
+// What to read back; bits of FrameOptions::channels.
+enum Channel : unsigned {
+  kColor = 1,
+  kDepth = 2,
+  kLabel = 4,
+  kInstance = 8,
+  kNormal = 16,
+  kRoad = 32,
+  kAllChannels = 63,
+};
+
+// Values of the label channel.
+enum class Label : std::uint32_t { kNone = 0, kGround = 1, kCarriageway = 2, kMarking = 3 };
+
+struct FrameOptions {
+  int width = 1280, height = 720;  // pixels, in [1, 16384]
+  unsigned channels = kColor;
+  int samples = 4;                 // of the picture: 1 or 4. Data channels are taken at pixel centres
+};
+
+// Pixels row by row from the top left; a channel that was not asked for is empty.
+struct Frame {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> color;      // RGBA, sRGB-encoded
+  std::vector<float> depth_m;           // along the view axis, +inf where nothing is
+  std::vector<std::uint32_t> label;     // Label
+  std::vector<std::uint32_t> instance;  // 1 + index of the road, 0 off the roads
+  std::vector<glm::vec3> normal;        // unit, ENU; 0 where nothing is
+  std::vector<glm::vec4> road;          // index of the road, s (m), t (m), lane; index -1 off the roads
+};
+
+struct Lighting {
+  double sun_azimuth_deg = 215;   // counter-clockwise from east
+  double sun_elevation_deg = 38;  // in (0, 90]
+  double haze_range_m = 9000;     // e-folding length of the view through air, > 0
+};
+
+class Renderer {
+ public:
+  // Compiles the programs. The context must outlive the renderer.
+  // Errors: kShader with file and line.
+  static Result<Renderer> create(Context& context);
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+  ~Renderer();
+
+  // Replaces what is drawn. Cost: one upload; kBytesPerSegment on the GPU.
+  void load_roads(const Network& network);
+  void load_ground(const TerrainMesh& mesh);
+  void set_lighting(const Lighting& lighting);
+  static constexpr int kBytesPerSegment = 112;
+
+  // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
+  Result<Frame> render(const Camera& camera, const FrameOptions& options);
+  // Draws into the context's own window, or the framebuffer object `target` of the caller. No read-back.
+  Status draw(const Camera& camera, int width, int height, int samples, unsigned target = 0);
+
+ private:
+  struct State;
+  explicit Renderer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace roadgen

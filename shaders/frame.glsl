@@ -1,0 +1,35 @@
+// What all stages know of the frame. Positions on the GPU are relative to the eye, along the ENU axes.
+layout(std140, binding = 0) uniform Frame {
+  mat4 clip_from_relative;  // reversed depth: near plane 1, infinity 0
+  vec4 eye_high;            // eye in ENU metres = eye_high + eye_low (two floats hold what one double does)
+  vec4 eye_low;
+  vec4 eye_phase;           // xy: eye modulo NOISE_PERIOD
+  vec4 forward;             // unit view axes in ENU; forward.w: near plane distance, m
+  vec4 right;               // right.w: size of a pixel at distance 1
+  vec4 up;
+  vec4 sun;                 // unit direction toward the sun; w: haze range, m
+  vec4 ground;              // x: lowest ground relative to the eye, m; y: 1 / relief, per m
+};
+
+// Direct sun, sky light and haze on a diffuse surface. position: relative to the eye.
+vec3 frame_shade(vec3 albedo, vec3 normal, vec3 position) {
+  float lit = max(dot(normal, sun.xyz), 0.0);
+  vec3 light = albedo * (sky_sun_color() * lit + sky_ambient(normal.z));
+  float distance_m = length(position);
+  vec3 direction = position / max(distance_m, 1e-6);
+  float clear = sky_transmittance(distance_m, sun.w);
+  vec3 air = sky_gradient(max(direction.z, 0.0) * 0.5, dot(direction, sun.xyz));
+  return mix(air, light, clear);
+}
+
+vec3 frame_tone(vec3 light) { return vec3(sky_tone(light.x), sky_tone(light.y), sky_tone(light.z)); }
+
+// Change of a surface point per pixel step along `axis` (view right or up), by the tangent plane there.
+vec3 frame_footprint(vec3 position, vec3 normal, vec3 axis) {
+  float depth = max(dot(position, forward.xyz), 1e-3);
+  vec3 direction = position / depth;
+  vec3 step_dir = axis * right.w;
+  float facing = dot(normal, direction);
+  facing = abs(facing) < 1e-4 ? (facing < 0.0 ? -1e-4 : 1e-4) : facing;
+  return depth * (step_dir - direction * (dot(normal, step_dir) / facing));
+}

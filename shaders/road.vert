@@ -1,0 +1,73 @@
+// One road segment per instance: its attributes advance once per instance (the paper's stream frequency divider), its
+// corners come from gl_VertexID. Without RELIEF: the fitted quad of the paper's Fig. 5, in a plane. With RELIEF: the
+// same quad extruded to the segment's range of heights, whose back faces the pixel shader starts from.
+#include "lib/road.glsl"
+#include "frame.glsl"
+
+layout(location = 0) in vec3 in_start_high;  // start anchor, ENU, as two floats
+layout(location = 1) in vec3 in_start_low;
+layout(location = 2) in vec4 in_shape;       // chord x, y (m), slopes a, b
+layout(location = 3) in vec4 in_arc;         // arc length (m), c0, c1, s at the start (m)
+layout(location = 4) in vec4 in_height;      // z1, z2, z3 (per m, m^2, m^3), s at the start modulo NOISE_PERIOD
+layout(location = 5) in vec4 in_width;       // half width: cubic in s
+layout(location = 6) in vec4 in_box;         // y low, y high (chord frame), z low, z high (m above the start anchor)
+layout(location = 7) in vec2 in_road;        // index of the road, s at the start modulo the dashes' period
+
+flat out vec4 shape;      // L, a, b, arc length
+flat out vec4 arc;        // c0, c1, s start, s phase
+flat out vec4 height;     // z1, z2, z3, road index
+flat out vec4 half_width;
+flat out vec3 axis_dash;  // unit chord direction in ENU, s at the start modulo the dashes' period
+out vec3 relative;        // position relative to the eye, ENU
+#ifdef RELIEF
+flat out vec4 box;
+flat out vec3 eye;        // in chord axes, metres from the start anchor
+out vec3 point;           // likewise
+#else
+out vec2 chord_point;     // x, y in the chord frame
+out vec3 linear;          // alpha, beta, gamma: linear in x and y, so the rasterizer interpolates them
+#endif
+
+void main() {
+  precise vec3 start = (in_start_high - eye_high.xyz) + (in_start_low - eye_low.xyz);
+  float chord = length(in_shape.xy);
+  float a = in_shape.z;
+  float b = in_shape.w;
+  vec2 axis = in_shape.xy / chord;
+  axis_dash = vec3(axis, in_road.y);
+  shape = vec4(chord, a, b, in_arc.x);
+  arc = vec4(in_arc.y, in_arc.z, in_arc.w, in_height.w);
+  height = vec4(in_height.xyz, in_road.x);
+  half_width = in_width;
+
+  // Room for the antialiased edge: two pixels at the segment's distance.
+  float middle_m = length(start + 0.5 * vec3(in_shape.xy, 0.0));
+  float margin = clamp(2.0 * right.w * middle_m, 0.02, 2.0) / chord;
+#ifdef RELIEF
+  // A closed box from one strip of 14 vertices.
+  uint bit = 1u << uint(gl_VertexID);
+  bool at_end = (0x287au & bit) != 0u;
+  bool at_left = (0x02afu & bit) != 0u;
+  bool at_top = (0x31e3u & bit) != 0u;
+  float sideways = margin;
+#else
+  bool at_end = gl_VertexID >= 2;
+  bool at_left = (gl_VertexID & 1) != 0;
+  float sideways = 1e-5;  // neighbours overlap by a hair, so rounding leaves no crack
+#endif
+  float y = at_left ? in_box.y + margin : in_box.x - margin;
+  float x = at_end ? 1.0 - b * y + sideways : -a * y - sideways;
+#ifdef RELIEF
+  vec3 local = vec3(x * chord, y * chord, at_top ? in_box.w + 0.02 : in_box.z - 0.02);
+  box = in_box;
+  point = local;
+  eye = vec3(-dot(start.xy, axis), start.x * axis.y - start.y * axis.x, -start.z);
+#else
+  float rise = road_cubic(in_arc.x, 0.0, in_height.x, in_height.y, in_height.z);
+  vec3 local = vec3(x * chord, y * chord, rise * x);
+  chord_point = vec2(x, y);
+  linear = vec3(road_alpha(y, a, b), road_beta(y, a, b), road_gamma(x, y, a));
+#endif
+  relative = start + vec3(axis * local.x + vec2(-axis.y, axis.x) * local.y, local.z);
+  gl_Position = clip_from_relative * vec4(relative, 1.0);
+}
