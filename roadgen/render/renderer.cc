@@ -1,0 +1,392 @@
+#include "roadgen/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "roadgen/render/gl.h"
+#include "roadgen/render/program.h"
+#include "roadgen/render/road_instance.h"
+
+namespace roadgen {
+namespace {
+
+// The uniform block of shaders/frame.glsl, std140.
+struct FrameUniforms {
+  glm::mat4 clip_from_relative;
+  glm::vec4 eye_high, eye_low, eye_phase, forward, right, up, sun, ground;
+};
+static_assert(sizeof(FrameUniforms) == 64 + 8 * 16);
+
+glm::vec3 direction(double azimuth_deg, double elevation_deg) {
+  const double azimuth = azimuth_deg * std::numbers::pi / 180, elevation = elevation_deg * std::numbers::pi / 180;
+  return glm::dvec3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                    std::sin(elevation));
+}
+
+// The segments of one program: an instance buffer and the vertex array that reads it once per instance.
+struct RoadBatch {
+  gl::VertexArray vertex_array;
+  gl::Buffer instances;
+  GLsizei count = 0;
+
+  void upload(std::span<const RoadInstance> data) {
+    vertex_array = gl::VertexArray::create();
+    instances = gl::Buffer::create();
+    count = static_cast<GLsizei>(data.size());
+    glNamedBufferStorage(instances.id(), static_cast<GLsizeiptr>(std::max<std::size_t>(data.size_bytes(), 1)),
+                         data.data(), 0);
+    glVertexArrayVertexBuffer(vertex_array.id(), 0, instances.id(), 0, sizeof(RoadInstance));
+    glVertexArrayBindingDivisor(vertex_array.id(), 0, 1);
+    constexpr GLint kComponents[] = {3, 3, 4, 4, 4, 4, 4, 2};
+    GLuint offset = 0;
+    for (GLuint location = 0; location < std::size(kComponents); ++location) {
+      glEnableVertexArrayAttrib(vertex_array.id(), location);
+      glVertexArrayAttribFormat(vertex_array.id(), location, kComponents[location], GL_FLOAT, GL_FALSE, offset);
+      glVertexArrayAttribBinding(vertex_array.id(), location, 0);
+      offset += static_cast<GLuint>(kComponents[location]) * sizeof(float);
+    }
+  }
+};
+
+struct GroundBatch {
+  gl::VertexArray vertex_array;
+  gl::Buffer positions, normals, triangles;
+  GLsizei indices = 0;
+  glm::dvec3 origin_m{0, 0, 0};
+
+  void upload(const TerrainMesh& mesh) {
+    vertex_array = gl::VertexArray::create();
+    positions = gl::Buffer::create();
+    normals = gl::Buffer::create();
+    triangles = gl::Buffer::create();
+    origin_m = mesh.origin_m;
+    indices = static_cast<GLsizei>(mesh.triangles.size());
+    const auto store = [](const gl::Buffer& buffer, const auto& data) {
+      const std::size_t bytes = data.size() * sizeof(data[0]);
+      glNamedBufferStorage(buffer.id(), static_cast<GLsizeiptr>(std::max<std::size_t>(bytes, 1)), data.data(), 0);
+    };
+    store(positions, mesh.positions_m);
+    store(normals, mesh.normals);
+    store(triangles, mesh.triangles);
+    glVertexArrayElementBuffer(vertex_array.id(), triangles.id());
+    for (GLuint i = 0; i < 2; ++i) {
+      glVertexArrayVertexBuffer(vertex_array.id(), i, (i == 0 ? positions : normals).id(), 0, sizeof(glm::vec3));
+      glEnableVertexArrayAttrib(vertex_array.id(), i);
+      glVertexArrayAttribFormat(vertex_array.id(), i, 3, GL_FLOAT, GL_FALSE, 0);
+      glVertexArrayAttribBinding(vertex_array.id(), i, i);
+    }
+  }
+};
+
+// The programs of one kind of output.
+struct Programs {
+  Program ground, road_planar, road_relief, sky;
+};
+
+Result<Programs> compile(const std::vector<std::string>& defines) {
+  const auto with = [&](const char* extra) {
+    std::vector<std::string> all = defines;
+    all.push_back(extra);
+    return all;
+  };
+  auto ground = Program::create("terrain.vert", "terrain.frag", defines);
+  if (!ground) return ground.error();
+  auto planar = Program::create("road.vert", "road.frag", defines);
+  if (!planar) return planar.error();
+  auto relief = Program::create("road.vert", "road.frag", with("RELIEF"));
+  if (!relief) return relief.error();
+  auto sky = Program::create("sky.vert", "sky.frag", defines);
+  if (!sky) return sky.error();
+  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*sky)};
+}
+
+// Colour (or data) and depth attachments of one size.
+struct Target {
+  gl::Framebuffer framebuffer;
+  std::vector<gl::Texture> textures;
+  int width = 0, height = 0, samples = 0;
+
+  Status allocate(std::span<const GLenum> formats, int w, int h, int sample_count) {
+    if (w == width && h == height && sample_count == samples) return Done{};
+    framebuffer = gl::Framebuffer::create();
+    textures.clear();
+    std::vector<GLenum> draw;
+    for (std::size_t i = 0; i < formats.size(); ++i) {
+      const GLenum kind = sample_count > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D;
+      textures.push_back(gl::Texture::create(kind));
+      const GLuint id = textures.back().id();
+      if (sample_count > 1) {
+        glTextureStorage2DMultisample(id, sample_count, formats[i], w, h, GL_TRUE);
+      } else {
+        glTextureStorage2D(id, 1, formats[i], w, h);
+      }
+      const bool depth = formats[i] == GL_DEPTH_COMPONENT32F;
+      const GLenum point = depth ? GL_DEPTH_ATTACHMENT : static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i);
+      glNamedFramebufferTexture(framebuffer.id(), point, id, 0);
+      if (!depth) draw.push_back(point);
+    }
+    glNamedFramebufferDrawBuffers(framebuffer.id(), static_cast<GLsizei>(draw.size()), draw.data());
+    if (glCheckNamedFramebufferStatus(framebuffer.id(), GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      width = 0;
+      return Error{ErrorCode::kContext, "the GPU refuses a framebuffer of " + std::to_string(w) + " x " +
+                                            std::to_string(h) + " pixels; ask for a smaller picture"};
+    }
+    width = w, height = h, samples = sample_count;
+    return Done{};
+  }
+};
+
+// GL hands rows from the bottom; pictures run from the top.
+template <class T>
+void flip_rows(std::vector<T>& pixels, int height) {
+  const std::size_t row = pixels.size() / static_cast<std::size_t>(height);
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height) / 2; ++y) {
+    std::swap_ranges(pixels.begin() + static_cast<std::ptrdiff_t>(y * row),
+                     pixels.begin() + static_cast<std::ptrdiff_t>((y + 1) * row),
+                     pixels.end() - static_cast<std::ptrdiff_t>((y + 1) * row));
+  }
+}
+
+template <class T>
+std::vector<T> read_attachment(const Target& target, GLenum attachment, GLenum format, GLenum type, int values) {
+  std::vector<T> pixels(static_cast<std::size_t>(target.width) * static_cast<std::size_t>(target.height) *
+                        static_cast<std::size_t>(values));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer.id());
+  if (attachment != GL_NONE) glReadBuffer(attachment);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, target.width, target.height, format, type, pixels.data());
+  flip_rows(pixels, target.height);
+  return pixels;
+}
+
+Status check_request(const Camera& camera, int width, int height) {
+  const auto usage = [](std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; };
+  if (width < 1 || height < 1 || width > 16384 || height > 16384) {
+    return usage("the picture's size must lie in 1 to 16384 pixels each way");
+  }
+  const double sum = camera.position_m.x + camera.position_m.y + camera.position_m.z + camera.yaw_deg +
+                     camera.pitch_deg + camera.roll_deg;
+  if (!std::isfinite(sum)) return usage("the camera's position and angles must be finite numbers");
+  if (!(camera.fov_deg > 0 && camera.fov_deg <= 170)) return usage("the field of view must lie in (0, 170] degrees");
+  if (!(camera.near_m > 0)) return usage("the near plane must lie in front of the camera");
+  return Done{};
+}
+
+}  // namespace
+
+struct Renderer::State {
+  Context& context;
+  Programs picture, data;
+  gl::Buffer frame_uniforms;
+  gl::VertexArray empty;
+  RoadBatch planar, relief;
+  GroundBatch ground;
+  double ground_low_m = 0, ground_relief_m = 1;
+  Lighting lighting;
+  Target drawn, resolved, channels;
+
+  void upload_frame(const Camera& camera, int width, int height);
+  void draw_scene(const Programs& programs, const Camera& camera, int width, int height);
+  void clear(const Target& target, bool data_channels);
+  Status draw_picture(const Camera& camera, int width, int height, int samples);
+  Status draw_channels(const Camera& camera, int width, int height);
+};
+
+void Renderer::State::upload_frame(const Camera& camera, int width, int height) {
+  const ViewAxes axes = view_axes(camera);
+  const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / height;
+  const SplitPosition eye = split(camera.position_m);
+  const auto phase = [](double x) { return x - std::floor(x / kNoisePeriod_m) * kNoisePeriod_m; };
+  FrameUniforms u;
+  u.clip_from_relative = glm::mat4(clip_from_relative(camera, static_cast<double>(width) / height));
+  u.eye_high = glm::vec4(eye.high, 0);
+  u.eye_low = glm::vec4(eye.low, 0);
+  u.eye_phase = glm::dvec4(phase(camera.position_m.x), phase(camera.position_m.y), 0, 0);
+  u.forward = glm::dvec4(axes.forward, camera.near_m);
+  u.right = glm::dvec4(axes.right, pixel);
+  u.up = glm::dvec4(axes.up, 0);
+  u.sun = glm::vec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg),
+                    static_cast<float>(lighting.haze_range_m));
+  u.ground = glm::dvec4(ground_low_m - camera.position_m.z, 1 / ground_relief_m, 0, 0);
+  glNamedBufferSubData(frame_uniforms.id(), 0, sizeof u, &u);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
+}
+
+void Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height) {
+  upload_frame(camera, width, height);
+  glViewport(0, 0, width, height);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);  // reversed
+  glDepthMask(GL_TRUE);
+  glDisable(GL_CULL_FACE);
+
+  if (ground.indices > 0) {
+    glUseProgram(programs.ground.id());
+    const glm::vec3 tile(ground.origin_m - camera.position_m);
+    glUniform3f(0, tile.x, tile.y, tile.z);
+    glBindVertexArray(ground.vertex_array.id());
+    glDrawElements(GL_TRIANGLES, ground.indices, GL_UNSIGNED_INT, nullptr);
+  }
+  if (planar.count > 0) {
+    glUseProgram(programs.road_planar.id());
+    glBindVertexArray(planar.vertex_array.id());
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, planar.count);
+  }
+  if (relief.count > 0) {
+    // Back faces only: one ray per pixel, also with the eye inside the box.
+    glEnable(GL_CULL_FACE);
+    glCullFace(GL_FRONT);
+    glUseProgram(programs.road_relief.id());
+    glBindVertexArray(relief.vertex_array.id());
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, relief.count);
+    glDisable(GL_CULL_FACE);
+  }
+  const double half = std::tan(camera.fov_deg * std::numbers::pi / 360);
+  glDepthFunc(GL_GEQUAL);
+  glDepthMask(GL_FALSE);
+  glUseProgram(programs.sky.id());
+  glUniform2f(0, static_cast<float>(half * width / height), static_cast<float>(half));
+  glBindVertexArray(empty.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthMask(GL_TRUE);
+  glBindVertexArray(0);
+  glUseProgram(0);
+}
+
+Status Renderer::State::draw_picture(const Camera& camera, int width, int height, int samples) {
+  constexpr GLenum kFormats[] = {GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT32F};
+  if (Status s = drawn.allocate(kFormats, width, height, samples); !s) return s;
+  glBindFramebuffer(GL_FRAMEBUFFER, drawn.framebuffer.id());
+  const float black[4] = {0, 0, 0, 1}, far[1] = {0};
+  glClearBufferfv(GL_COLOR, 0, black);
+  glClearBufferfv(GL_DEPTH, 0, far);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  // The road's edge fades over the ground drawn before it.
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  draw_scene(picture, camera, width, height);
+  glDisable(GL_BLEND);
+  constexpr GLenum kColorOnly[] = {GL_SRGB8_ALPHA8};
+  if (Status s = resolved.allocate(kColorOnly, width, height, 1); !s) return s;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn.framebuffer.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer.id());
+  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  return Done{};
+}
+
+Status Renderer::State::draw_channels(const Camera& camera, int width, int height) {
+  constexpr GLenum kFormats[] = {GL_RGBA32F, GL_RGBA32F, GL_RG32UI, GL_DEPTH_COMPONENT32F};
+  if (Status s = channels.allocate(kFormats, width, height, 1); !s) return s;
+  glBindFramebuffer(GL_FRAMEBUFFER, channels.framebuffer.id());
+  const float nothing[4] = {-1, 0, 0, 0}, none[4] = {0, 0, 0, 0};
+  const GLuint zero[4] = {0, 0, 0, 0};
+  glClearBufferfv(GL_COLOR, 0, nothing);
+  glClearBufferfv(GL_COLOR, 1, none);
+  glClearBufferuiv(GL_COLOR, 2, zero);
+  glClearBufferfv(GL_DEPTH, 0, none);
+  draw_scene(data, camera, width, height);
+  return Done{};
+}
+
+Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() {
+  if (state_) state_->context.make_current();
+}
+
+Result<Renderer> Renderer::create(Context& context) {
+  context.make_current();
+  auto picture = compile({});
+  if (!picture) return picture.error();
+  auto data = compile({"CHANNELS"});
+  if (!data) return data.error();
+  auto state = std::unique_ptr<State>(new State{.context = context, .picture = std::move(*picture), .data = std::move(*data)});
+  state->frame_uniforms = gl::Buffer::create();
+  glNamedBufferStorage(state->frame_uniforms.id(), sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  state->empty = gl::VertexArray::create();
+  return Renderer(std::move(state));
+}
+
+void Renderer::load_roads(const Network& network) {
+  state_->context.make_current();
+  std::vector<RoadInstance> planar, relief;
+  for (std::size_t i = 0; i < network.roads.size(); ++i) {
+    for (const Segment& segment : network.roads[i].segments) {
+      (planar_deviation_m(segment) <= kPlanarTolerance_m ? planar : relief).push_back(road_instance(segment, i));
+    }
+  }
+  state_->planar.upload(planar);
+  state_->relief.upload(relief);
+}
+
+void Renderer::load_ground(const TerrainMesh& mesh) {
+  state_->context.make_current();
+  state_->ground.upload(mesh);
+  if (mesh.positions_m.empty()) return;
+  const auto [low, high] = std::minmax_element(mesh.positions_m.begin(), mesh.positions_m.end(),
+                                               [](const glm::vec3& a, const glm::vec3& b) { return a.z < b.z; });
+  state_->ground_low_m = mesh.origin_m.z + low->z;
+  state_->ground_relief_m = std::max(400.0, static_cast<double>(high->z) - low->z);
+}
+
+void Renderer::set_lighting(const Lighting& lighting) { state_->lighting = lighting; }
+
+Result<Frame> Renderer::render(const Camera& camera, const FrameOptions& options) {
+  if (Status s = check_request(camera, options.width, options.height); !s) return s.error();
+  if (options.samples != 1 && options.samples != 4) return Error{ErrorCode::kUsage, "samples must be 1 or 4"};
+  State& state = *state_;
+  state.context.make_current();
+  Frame frame;
+  frame.width = options.width;
+  frame.height = options.height;
+  if (options.channels & kColor) {
+    if (Status s = state.draw_picture(camera, options.width, options.height, options.samples); !s) return s.error();
+    frame.color = read_attachment<std::uint8_t>(state.resolved, GL_COLOR_ATTACHMENT0, GL_RGBA, GL_UNSIGNED_BYTE, 4);
+  }
+  if ((options.channels & ~kColor) == 0) return frame;
+
+  if (Status s = state.draw_channels(camera, options.width, options.height); !s) return s.error();
+  if (options.channels & kDepth) {
+    frame.depth_m = read_attachment<float>(state.channels, GL_NONE, GL_DEPTH_COMPONENT, GL_FLOAT, 1);
+    for (float& d : frame.depth_m) {
+      d = d > 0 ? static_cast<float>(camera.near_m / d) : std::numeric_limits<float>::infinity();
+    }
+  }
+  if (options.channels & kRoad) {
+    const auto values = read_attachment<float>(state.channels, GL_COLOR_ATTACHMENT0, GL_RGBA, GL_FLOAT, 4);
+    frame.road.resize(values.size() / 4);
+    std::memcpy(frame.road.data(), values.data(), values.size() * sizeof(float));
+  }
+  if (options.channels & kNormal) {
+    const auto values = read_attachment<float>(state.channels, GL_COLOR_ATTACHMENT1, GL_RGB, GL_FLOAT, 3);
+    frame.normal.resize(values.size() / 3);
+    std::memcpy(frame.normal.data(), values.data(), values.size() * sizeof(float));
+  }
+  if (options.channels & (kLabel | kInstance)) {
+    const auto values = read_attachment<std::uint32_t>(state.channels, GL_COLOR_ATTACHMENT2, GL_RG_INTEGER, GL_UNSIGNED_INT, 2);
+    for (std::size_t i = 0; i < values.size(); i += 2) {
+      if (options.channels & kLabel) frame.label.push_back(values[i]);
+      if (options.channels & kInstance) frame.instance.push_back(values[i + 1]);
+    }
+  }
+  return frame;
+}
+
+Status Renderer::draw(const Camera& camera, int width, int height, int samples, unsigned target) {
+  if (Status s = check_request(camera, width, height); !s) return s;
+  state_->context.make_current();
+  if (Status s = state_->draw_picture(camera, width, height, samples); !s) return s;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, state_->resolved.framebuffer.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target);
+  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  return Done{};
+}
+
+}  // namespace roadgen
