@@ -21,7 +21,11 @@ struct Anchor {
   double elevation_m = 0;
   double half_width_m = 3.5;              // > 0
   std::optional<double> heading_rad = {}; // tangent given by the caller; else Catmull-Rom
+  std::optional<double> grade = {};       // dz/ds given by the caller; else Catmull-Rom over s
 };
+
+// Coordinates, heights and widths are less than this, about 150 Earth radii; beyond it doubles lose micrometres.
+inline constexpr double kGreatestCoordinate_m = 1e9;
 
 enum class Tangents { kUniform, kCentripetal };
 
@@ -31,6 +35,9 @@ enum class TightPolicy {
   kNarrow,  // the road is narrowed there, with a warning; Error only where less than kLeastHalfWidth_m would be left
 };
 inline constexpr double kLeastHalfWidth_m = 0.25;
+// Beside a narrowed place the half width grows back by at most this much per metre of road (on the average between two
+// joints).
+inline constexpr double kNarrowingTaper = 0.25;
 
 struct AlignmentOptions {
   Tangents tangents = Tangents::kUniform;         // Default: as in the paper
@@ -42,14 +49,19 @@ struct AlignmentOptions {
 };
 
 // Headings in radians at every anchor, uniform or centripetal; given ones are kept. At the ends of an open road the
-// tangent continues the curve as a circular arc would. Requires: at least two anchors, no two consecutive equal.
+// tangent continues the curve as a circular arc would; where the road doubles back onto the anchor before, it turns
+// left. Requires: at least two anchors, no two consecutive equal.
 std::vector<double> catmull_rom_headings(std::span<const Anchor> anchors, const AlignmentOptions& options);
 
 // The road through the anchors: passes through every (non-repeated) anchor exactly, tangent continuous, every segment
-// admissible; elevation C1 by the same rule (Catmull-Rom in s), half width C1 with slope 0 at the joints.
+// admissible; elevation C1 by the same rule (Catmull-Rom in s), half width C1 with slope 0 at the anchors and never above
+// the greater of the two beside it.
 // A segment between two anchors that is not admissible is split: pieces interpolate points and tangents of the
-// parametric cubic through the same anchors and tangents.
-// Errors: fewer than two distinct anchors; not finite; tight (see TightPolicy); a cusp (the road turns on the spot).
+// parametric cubic through the same anchors and tangents. That is the cubic Hermite curve whose end tangents have the
+// length L / cos(angle off the chord), which is the graph cubic of shaders/lib/road.glsl, up to 60 degrees off the chord,
+// and 2 L beyond.
+// Diagnostics: repeated anchors that were dropped, and narrowed stretches, both as warnings.
+// Errors: fewer than two distinct anchors; not finite or beyond kGreatestCoordinate_m; tight (see TightPolicy); a cusp (the road turns on the spot).
 // Cost: O(n log(1/tolerance)).
 Result<Road> road_from_anchors(std::span<const Anchor> anchors, const AlignmentOptions& options,
                                Diagnostics* diagnostics = nullptr);

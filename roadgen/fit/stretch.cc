@@ -1,0 +1,146 @@
+#include "roadgen/fit/stretch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "roadgen/fit/catmull_rom.h"
+
+namespace roadgen {
+namespace {
+
+// A piece that is straighter than this gains nothing from halving where the half width exceeds its radius.
+constexpr double kStraightSlope = 0.1;
+// Tangents further off the chord than this (cosine) make no segment; the piece is halved at once.
+constexpr double kLeastCosine = 0.25;
+// Bounds are proven in real arithmetic for the width asked for; profiles reproduce that width to a few roundings.
+constexpr double kRoundingShare = 1 - 1e-9;
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+glm::dvec2 direction(double heading_rad) { return {std::cos(heading_rad), std::sin(heading_rad)}; }
+
+bool admissible_at(Segment& segment, double half_width_m, double tolerance) {
+  segment.half_width_m = {half_width_m, 0, 0, 0};
+  set_bound(segment);
+  return is_admissible(segment, tolerance * kRoundingShare);
+}
+
+// The greatest admissible half width in [kLeastHalfWidth_m, half_width_m), or 0.
+double widest(Segment& segment, double half_width_m, double tolerance) {
+  double low = kLeastHalfWidth_m, high = half_width_m;
+  if (!(low < high) || !admissible_at(segment, low, tolerance)) return 0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    (admissible_at(segment, middle, tolerance) ? low : high) = middle;
+  }
+  return low * kRoundingShare;
+}
+
+class Divider {
+ public:
+  Divider(const Stretch& stretch, double half_width_m, double tolerance, Division& division)
+      : stretch_(stretch), half_width_m_(half_width_m), tolerance_(tolerance), division_(division) {}
+
+  // False at a cusp.
+  bool run(double t0, double t1, int depth) {
+    Piece piece;
+    piece.t0 = t0;
+    piece.t1 = t1;
+    Segment& s = piece.segment;
+    s.start_m = stretch_.position_m(t0);
+    s.end_m = stretch_.position_m(t1);
+    const glm::dvec2 chord = s.chord_m(), d0 = stretch_.derivative_m(t0), d1 = stretch_.derivative_m(t1);
+    const double length = glm::length(chord), speed0 = glm::length(d0), speed1 = glm::length(d1);
+    if (!(length > 0) || !(std::min(speed0, speed1) > 1e-12 * length)) return cusp(t0, t1);
+    const double along0 = glm::dot(chord, d0), along1 = glm::dot(chord, d1);
+    if (along0 > kLeastCosine * length * speed0 && along1 > kLeastCosine * length * speed1) {
+      s.slope_start = cross(chord, d0) / along0;
+      s.slope_end = cross(chord, d1) / along1;
+      if (accept(piece)) return true;
+    }
+    if (depth == kMostHalvings) return cusp(t0, t1);
+    const double middle = 0.5 * (t0 + t1);
+    return run(t0, middle, depth + 1) && run(middle, t1, depth + 1);
+  }
+
+ private:
+  bool cusp(double t0, double t1) {
+    division_.cusps.push_back({0.5 * (t0 + t1)});
+    return false;
+  }
+
+  bool accept(Piece& piece) {
+    Segment& s = piece.segment;
+    s.half_width_m = {half_width_m_, 0, 0, 0};
+    set_bound(s);
+    const bool bounded = std::isfinite(s.bound.v);
+    const bool straight = std::max(std::abs(s.slope_start), std::abs(s.slope_end)) <= kStraightSlope;
+    if (!bounded && !straight) return false;
+    set_arc(s);
+    if (!bounded) {
+      piece.cap_m = widest(s, half_width_m_, tolerance_);
+    } else if (!is_admissible(s, tolerance_ * kRoundingShare)) {
+      return false;
+    }
+    division_.pieces.push_back(piece);
+    return true;
+  }
+
+  const Stretch& stretch_;
+  double half_width_m_, tolerance_;
+  Division& division_;
+};
+
+}  // namespace
+
+glm::dvec2 Stretch::position_m(double t) const {
+  if (t == 0) return start_m;
+  if (t == 1) return end_m;
+  const double w = 1 - t;
+  return start_m + (end_m - start_m) * (t * t * (3 - 2 * t)) + tangent_start_m * (t * w * w) -
+         tangent_end_m * (t * t * w);
+}
+
+glm::dvec2 Stretch::derivative_m(double t) const {
+  const double w = 1 - t;
+  return (end_m - start_m) * (6 * t * w) + tangent_start_m * (w * (w - 2 * t)) + tangent_end_m * (t * (t - 2 * w));
+}
+
+double Stretch::curvature_per_m(double t) const {
+  const glm::dvec2 d = derivative_m(t);
+  const glm::dvec2 dd =
+      (end_m - start_m) * (6 - 12 * t) + tangent_start_m * (6 * t - 4) + tangent_end_m * (6 * t - 2);
+  const double speed2 = glm::dot(d, d);
+  if (speed2 == 0) return std::numeric_limits<double>::infinity();
+  return cross(d, dd) / (speed2 * std::sqrt(speed2));
+}
+
+Stretch make_stretch(glm::dvec2 start_m, glm::dvec2 end_m, double heading_start_rad, double heading_end_rad) {
+  const glm::dvec2 chord = end_m - start_m;
+  const double length = glm::length(chord);
+  const auto tangent = [&](double heading_rad) {
+    const glm::dvec2 d = direction(heading_rad);
+    const double cosine = glm::dot(d, chord) / length;
+    return d * (length / std::max(cosine, 0.5));
+  };
+  return {start_m, end_m, tangent(heading_start_rad), tangent(heading_end_rad)};
+}
+
+double least_radius_m(const Segment& segment) {
+  constexpr int kProbes = 16;
+  double most = 0;
+  for (int i = 0; i <= kProbes; ++i) {
+    most = std::max(most, std::abs(curvature_per_m(segment, static_cast<double>(i) / kProbes)));
+  }
+  return 1 / most;
+}
+
+Division divide(const Stretch& stretch, double t0, double t1, double half_width_m, double mapping_tolerance) {
+  Division division;
+  Divider(stretch, half_width_m, mapping_tolerance, division).run(t0, t1, 0);
+  return division;
+}
+
+}  // namespace roadgen
