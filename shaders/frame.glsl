@@ -1,4 +1,6 @@
 // What all stages know of the frame. Positions on the GPU are relative to the eye, along the ENU axes.
+#include "lib/sky.glsl"
+
 layout(std140, binding = 0) uniform Frame {
   mat4 clip_from_relative;  // reversed depth: near plane 1, infinity 0
   vec4 eye_high;            // eye in ENU metres = eye_high + eye_low (two floats hold what one double does)

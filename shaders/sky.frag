@@ -1,6 +1,5 @@
 // Sky, sun and a few high clouds.
 #include "lib/noise.glsl"
-#include "lib/sky.glsl"
 #include "frame.glsl"
 #include "outputs.glsl"
 

@@ -1,5 +1,4 @@
 // One triangle over the whole view, at infinity.
-#include "lib/sky.glsl"
 #include "frame.glsl"
 
 layout(location = 0) uniform vec2 view;  // tangents of half the field of view, horizontal and vertical

@@ -1,6 +1,5 @@
 // The ground's look: material by slope and height, noise that fades with the pixel's footprint.
 #include "lib/noise.glsl"
-#include "lib/sky.glsl"
 #include "lib/ground.glsl"
 #include "frame.glsl"
 #include "outputs.glsl"

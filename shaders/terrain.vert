@@ -1,5 +1,4 @@
 // The ground: a triangle mesh relative to its tile's origin.
-#include "lib/sky.glsl"
 #include "frame.glsl"
 
 layout(location = 0) in vec3 in_position;  // relative to the tile's origin, m

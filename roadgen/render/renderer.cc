@@ -35,10 +35,9 @@ struct RoadBatch {
 
   void upload(std::span<const RoadInstance> data) {
     vertex_array = gl::VertexArray::create();
-    instances = gl::Buffer::create();
     count = static_cast<GLsizei>(data.size());
-    glNamedBufferStorage(instances.id(), static_cast<GLsizeiptr>(std::max<std::size_t>(data.size_bytes(), 1)),
-                         data.data(), 0);
+    if (data.empty()) return;
+    instances = gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size_bytes()), data.data());
     glVertexArrayVertexBuffer(vertex_array.id(), 0, instances.id(), 0, sizeof(RoadInstance));
     glVertexArrayBindingDivisor(vertex_array.id(), 0, 1);
     constexpr GLint kComponents[] = {3, 3, 4, 4, 4, 4, 4, 2};
@@ -60,18 +59,15 @@ struct GroundBatch {
 
   void upload(const TerrainMesh& mesh) {
     vertex_array = gl::VertexArray::create();
-    positions = gl::Buffer::create();
-    normals = gl::Buffer::create();
-    triangles = gl::Buffer::create();
     origin_m = mesh.origin_m;
     indices = static_cast<GLsizei>(mesh.triangles.size());
-    const auto store = [](const gl::Buffer& buffer, const auto& data) {
-      const std::size_t bytes = data.size() * sizeof(data[0]);
-      glNamedBufferStorage(buffer.id(), static_cast<GLsizeiptr>(std::max<std::size_t>(bytes, 1)), data.data(), 0);
+    if (mesh.triangles.empty()) return;
+    const auto buffer = [](const auto& data) {
+      return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(data[0])), data.data());
     };
-    store(positions, mesh.positions_m);
-    store(normals, mesh.normals);
-    store(triangles, mesh.triangles);
+    positions = buffer(mesh.positions_m);
+    normals = buffer(mesh.normals);
+    triangles = buffer(mesh.triangles);
     glVertexArrayElementBuffer(vertex_array.id(), triangles.id());
     for (GLuint i = 0; i < 2; ++i) {
       glVertexArrayVertexBuffer(vertex_array.id(), i, (i == 0 ? positions : normals).id(), 0, sizeof(glm::vec3));
@@ -87,19 +83,16 @@ struct Programs {
   Program ground, road_planar, road_relief, sky;
 };
 
-Result<Programs> compile(const std::vector<std::string>& defines) {
-  const auto with = [&](const char* extra) {
-    std::vector<std::string> all = defines;
-    all.push_back(extra);
-    return all;
-  };
-  auto ground = Program::create("terrain.vert", "terrain.frag", defines);
+Result<Programs> compile(const ShaderDefines& defines) {
+  ShaderDefines with_relief = defines;
+  with_relief.push_back({"RELIEF", ""});
+  auto ground = Program::graphics("terrain.vert", "terrain.frag", defines);
   if (!ground) return ground.error();
-  auto planar = Program::create("road.vert", "road.frag", defines);
+  auto planar = Program::graphics("road.vert", "road.frag", defines);
   if (!planar) return planar.error();
-  auto relief = Program::create("road.vert", "road.frag", with("RELIEF"));
+  auto relief = Program::graphics("road.vert", "road.frag", with_relief);
   if (!relief) return relief.error();
-  auto sky = Program::create("sky.vert", "sky.frag", defines);
+  auto sky = Program::graphics("sky.vert", "sky.frag", defines);
   if (!sky) return sky.error();
   return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*sky)};
 }
@@ -116,17 +109,10 @@ struct Target {
     textures.clear();
     std::vector<GLenum> draw;
     for (std::size_t i = 0; i < formats.size(); ++i) {
-      const GLenum kind = sample_count > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D;
-      textures.push_back(gl::Texture::create(kind));
-      const GLuint id = textures.back().id();
-      if (sample_count > 1) {
-        glTextureStorage2DMultisample(id, sample_count, formats[i], w, h, GL_TRUE);
-      } else {
-        glTextureStorage2D(id, 1, formats[i], w, h);
-      }
+      textures.push_back(gl::Texture::image_2d(formats[i], w, h, 1, sample_count));
       const bool depth = formats[i] == GL_DEPTH_COMPONENT32F;
       const GLenum point = depth ? GL_DEPTH_ATTACHMENT : static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i);
-      glNamedFramebufferTexture(framebuffer.id(), point, id, 0);
+      glNamedFramebufferTexture(framebuffer.id(), point, textures.back().id(), 0);
       if (!depth) draw.push_back(point);
     }
     glNamedFramebufferDrawBuffers(framebuffer.id(), static_cast<GLsizei>(draw.size()), draw.data());
@@ -179,6 +165,9 @@ Status check_request(const Camera& camera, int width, int height) {
 }  // namespace
 
 struct Renderer::State {
+  State(Context& c, Programs for_picture, Programs for_data)
+      : context(c), picture(std::move(for_picture)), data(std::move(for_data)) {}
+
   Context& context;
   Programs picture, data;
   gl::Buffer frame_uniforms;
@@ -191,7 +180,6 @@ struct Renderer::State {
 
   void upload_frame(const Camera& camera, int width, int height);
   void draw_scene(const Programs& programs, const Camera& camera, int width, int height);
-  void clear(const Target& target, bool data_channels);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   Status draw_channels(const Camera& camera, int width, int height);
 };
@@ -226,14 +214,14 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   glDisable(GL_CULL_FACE);
 
   if (ground.indices > 0) {
-    glUseProgram(programs.ground.id());
+    programs.ground.use();
     const glm::vec3 tile(ground.origin_m - camera.position_m);
     glUniform3f(0, tile.x, tile.y, tile.z);
     glBindVertexArray(ground.vertex_array.id());
     glDrawElements(GL_TRIANGLES, ground.indices, GL_UNSIGNED_INT, nullptr);
   }
   if (planar.count > 0) {
-    glUseProgram(programs.road_planar.id());
+    programs.road_planar.use();
     glBindVertexArray(planar.vertex_array.id());
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, planar.count);
   }
@@ -241,7 +229,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     // Back faces only: one ray per pixel, also with the eye inside the box.
     glEnable(GL_CULL_FACE);
     glCullFace(GL_FRONT);
-    glUseProgram(programs.road_relief.id());
+    programs.road_relief.use();
     glBindVertexArray(relief.vertex_array.id());
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, relief.count);
     glDisable(GL_CULL_FACE);
@@ -249,7 +237,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   const double half = std::tan(camera.fov_deg * std::numbers::pi / 360);
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
-  glUseProgram(programs.sky.id());
+  programs.sky.use();
   glUniform2f(0, static_cast<float>(half * width / height), static_cast<float>(half));
   glBindVertexArray(empty.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -298,24 +286,24 @@ Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() {
-  if (state_) state_->context.make_current();
+  // Its objects live in its context; where that can no longer be made current they are gone with it.
+  if (state_) static_cast<void>(state_->context.make_current().ok());
 }
 
 Result<Renderer> Renderer::create(Context& context) {
-  context.make_current();
+  if (Status s = context.make_current(); !s) return s.error();
   auto picture = compile({});
   if (!picture) return picture.error();
-  auto data = compile({"CHANNELS"});
+  auto data = compile({{"CHANNELS", ""}});
   if (!data) return data.error();
-  auto state = std::unique_ptr<State>(new State{.context = context, .picture = std::move(*picture), .data = std::move(*data)});
-  state->frame_uniforms = gl::Buffer::create();
-  glNamedBufferStorage(state->frame_uniforms.id(), sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  auto state = std::make_unique<State>(context, std::move(*picture), std::move(*data));
+  state->frame_uniforms = gl::Buffer::with_data(sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
   state->empty = gl::VertexArray::create();
   return Renderer(std::move(state));
 }
 
-void Renderer::load_roads(const Network& network) {
-  state_->context.make_current();
+Status Renderer::load_roads(const Network& network) {
+  if (Status s = state_->context.make_current(); !s) return s;
   std::vector<RoadInstance> planar, relief;
   for (std::size_t i = 0; i < network.roads.size(); ++i) {
     for (const Segment& segment : network.roads[i].segments) {
@@ -324,16 +312,18 @@ void Renderer::load_roads(const Network& network) {
   }
   state_->planar.upload(planar);
   state_->relief.upload(relief);
+  return Done{};
 }
 
-void Renderer::load_ground(const TerrainMesh& mesh) {
-  state_->context.make_current();
+Status Renderer::load_ground(const TerrainMesh& mesh) {
+  if (Status s = state_->context.make_current(); !s) return s;
   state_->ground.upload(mesh);
-  if (mesh.positions_m.empty()) return;
+  if (mesh.positions_m.empty()) return Done{};
   const auto [low, high] = std::minmax_element(mesh.positions_m.begin(), mesh.positions_m.end(),
                                                [](const glm::vec3& a, const glm::vec3& b) { return a.z < b.z; });
   state_->ground_low_m = mesh.origin_m.z + low->z;
   state_->ground_relief_m = std::max(400.0, static_cast<double>(high->z) - low->z);
+  return Done{};
 }
 
 void Renderer::set_lighting(const Lighting& lighting) { state_->lighting = lighting; }
@@ -342,7 +332,7 @@ Result<Frame> Renderer::render(const Camera& camera, const FrameOptions& options
   if (Status s = check_request(camera, options.width, options.height); !s) return s.error();
   if (options.samples != 1 && options.samples != 4) return Error{ErrorCode::kUsage, "samples must be 1 or 4"};
   State& state = *state_;
-  state.context.make_current();
+  if (Status s = state.context.make_current(); !s) return s.error();
   Frame frame;
   frame.width = options.width;
   frame.height = options.height;
@@ -381,7 +371,7 @@ Result<Frame> Renderer::render(const Camera& camera, const FrameOptions& options
 
 Status Renderer::draw(const Camera& camera, int width, int height, int samples, unsigned target) {
   if (Status s = check_request(camera, width, height); !s) return s;
-  state_->context.make_current();
+  if (Status s = state_->context.make_current(); !s) return s;
   if (Status s = state_->draw_picture(camera, width, height, samples); !s) return s;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, state_->resolved.framebuffer.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target);

@@ -69,8 +69,9 @@ class Renderer {
   ~Renderer();
 
   // Replaces what is drawn. Cost: one upload; kBytesPerSegment on the GPU.
-  void load_roads(const Network& network);
-  void load_ground(const TerrainMesh& mesh);
+  // Errors: kContext where the context cannot be made current.
+  Status load_roads(const Network& network);
+  Status load_ground(const TerrainMesh& mesh);
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 112;
 

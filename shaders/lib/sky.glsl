@@ -30,8 +30,9 @@ FN vec3 sky_ambient(IN(float) normal_z) {
   return mix(vec3(0.16, 0.15, 0.12), vec3(0.34, 0.42, 0.56), 0.5 + 0.5 * normal_z);
 }
 
-// Filmic curve: linear near 0, soft shoulder, 1 is approached for bright light.
+// Filmic curve with a toe and a shoulder that reaches 1. Source: the rational fit of the ACES reference tone curve,
+// K. Narkowicz 2015.
 FN float sky_tone(IN(float) x) {
-  float c = max(x, float(0.0));
-  return c * (1.0 + c * 0.16) / (1.0 + c * 0.62);
+  float c = 0.85 * max(x, float(0.0));
+  return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14), float(0.0), float(1.0));
 }
