@@ -7,6 +7,9 @@
 #include <numbers>
 #include <span>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
 #include "roadgen/render/gl.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/road_instance.h"
@@ -20,6 +23,9 @@ struct FrameUniforms {
   glm::vec4 eye_high, eye_low, eye_phase, forward, right, up, sun, ground;
 };
 static_assert(sizeof(FrameUniforms) == 64 + 8 * 16);
+
+// Materials go by height within the ground's relief; hills lower than this stay green.
+constexpr double kLeastRelief_m = 600;
 
 glm::vec3 direction(double azimuth_deg, double elevation_deg) {
   const double azimuth = azimuth_deg * std::numbers::pi / 180, elevation = elevation_deg * std::numbers::pi / 180;
@@ -56,10 +62,16 @@ struct GroundBatch {
   gl::Buffer positions, normals, triangles;
   GLsizei indices = 0;
   glm::dvec3 origin_m{0, 0, 0};
+  glm::vec3 center_m{0, 0, 0};  // of the bounding sphere, from the origin
+  float radius_m = 0;
 
   void upload(const TerrainMesh& mesh) {
     vertex_array = gl::VertexArray::create();
     origin_m = mesh.origin_m;
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
+    for (const glm::vec3& p : mesh.positions_m) low = glm::min(low, p), high = glm::max(high, p);
+    center_m = 0.5f * (low + high);
+    radius_m = 0.5f * glm::length(high - low);
     indices = static_cast<GLsizei>(mesh.triangles.size());
     if (mesh.triangles.empty()) return;
     const auto buffer = [](const auto& data) {
@@ -75,6 +87,23 @@ struct GroundBatch {
       glVertexArrayAttribFormat(vertex_array.id(), i, 3, GL_FLOAT, GL_FALSE, 0);
       glVertexArrayAttribBinding(vertex_array.id(), i, i);
     }
+  }
+};
+
+// The four planes of the view's sides, through the eye, pointing inward.
+struct ViewSides {
+  glm::dvec3 normal[4];
+  ViewSides(const Camera& camera, double aspect) {
+    const ViewAxes axes = view_axes(camera);
+    const double y = std::tan(camera.fov_deg * std::numbers::pi / 360), x = y * aspect;
+    normal[0] = glm::normalize(axes.forward * x + axes.right);
+    normal[1] = glm::normalize(axes.forward * x - axes.right);
+    normal[2] = glm::normalize(axes.forward * y + axes.up);
+    normal[3] = glm::normalize(axes.forward * y - axes.up);
+  }
+  bool may_see(glm::dvec3 center, double radius) const {
+    return std::all_of(std::begin(normal), std::end(normal),
+                       [&](const glm::dvec3& n) { return glm::dot(n, center) >= -radius; });
   }
 };
 
@@ -173,7 +202,7 @@ struct Renderer::State {
   gl::Buffer frame_uniforms;
   gl::VertexArray empty;
   RoadBatch planar, relief;
-  GroundBatch ground;
+  std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
   Lighting lighting;
   Target drawn, resolved, channels;
@@ -213,12 +242,14 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   glDepthMask(GL_TRUE);
   glDisable(GL_CULL_FACE);
 
-  if (ground.indices > 0) {
-    programs.ground.use();
-    const glm::vec3 tile(ground.origin_m - camera.position_m);
-    glUniform3f(0, tile.x, tile.y, tile.z);
-    glBindVertexArray(ground.vertex_array.id());
-    glDrawElements(GL_TRIANGLES, ground.indices, GL_UNSIGNED_INT, nullptr);
+  const ViewSides sides(camera, static_cast<double>(width) / height);
+  if (!ground.empty()) programs.ground.use();
+  for (const GroundBatch& batch : ground) {
+    const glm::dvec3 tile = batch.origin_m - camera.position_m;
+    if (!sides.may_see(tile + glm::dvec3(batch.center_m), batch.radius_m)) continue;
+    glUniform3f(0, static_cast<float>(tile.x), static_cast<float>(tile.y), static_cast<float>(tile.z));
+    glBindVertexArray(batch.vertex_array.id());
+    glDrawElements(GL_TRIANGLES, batch.indices, GL_UNSIGNED_INT, nullptr);
   }
   if (planar.count > 0) {
     programs.road_planar.use();
@@ -315,14 +346,21 @@ Status Renderer::load_roads(const Network& network) {
   return Done{};
 }
 
-Status Renderer::load_ground(const TerrainMesh& mesh) {
+Status Renderer::load_ground(std::span<const TerrainMesh> tiles) {
   if (Status s = state_->context.make_current(); !s) return s;
-  state_->ground.upload(mesh);
-  if (mesh.positions_m.empty()) return Done{};
-  const auto [low, high] = std::minmax_element(mesh.positions_m.begin(), mesh.positions_m.end(),
-                                               [](const glm::vec3& a, const glm::vec3& b) { return a.z < b.z; });
-  state_->ground_low_m = mesh.origin_m.z + low->z;
-  state_->ground_relief_m = std::max(400.0, static_cast<double>(high->z) - low->z);
+  state_->ground.clear();
+  double low = std::numeric_limits<double>::max(), high = -low;
+  for (const TerrainMesh& tile : tiles) {
+    if (tile.triangles.empty()) continue;
+    state_->ground.emplace_back().upload(tile);
+    for (const glm::vec3& p : tile.positions_m) {
+      low = std::min(low, tile.origin_m.z + p.z);
+      high = std::max(high, tile.origin_m.z + p.z);
+    }
+  }
+  if (state_->ground.empty()) return Done{};
+  state_->ground_low_m = low;
+  state_->ground_relief_m = std::max(kLeastRelief_m, high - low);
   return Done{};
 }
 

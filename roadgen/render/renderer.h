@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -18,7 +19,7 @@
 #include "roadgen/render/camera.h"
 #include "roadgen/render/context.h"
 #include "roadgen/road/network.h"
-#include "terrain/mesh.h"
+#include "terrain/terrain.h"
 
 namespace roadgen {
 
@@ -71,7 +72,7 @@ class Renderer {
   // Replaces what is drawn. Cost: one upload; kBytesPerSegment on the GPU.
   // Errors: kContext where the context cannot be made current.
   Status load_roads(const Network& network);
-  Status load_ground(const TerrainMesh& mesh);
+  Status load_ground(std::span<const TerrainMesh> tiles);
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 112;
 
