@@ -41,11 +41,19 @@ bool intersect(RoadSurface r, out RoadHit hit, out vec3 place) {
   vec3 k_out = max(k0, k1);
   float k_low = max(max(k_in.x, k_in.y), max(k_in.z, -reach));
   float k_high = max(min(min(k_out.x, k_out.y), k_out.z), k_low);
-  hit = surface_intersect(point.x / r.chord, point.y / r.chord, point.z, along.x / r.chord, along.y / r.chord,
-                          along.z, k_low, k_high, r);
+  vec3 from = vec3(point.xy / r.chord, point.z);
+  vec3 toward = vec3(along.xy / r.chord, along.z);
+  float start = surface_chord_plane(from.x, from.z, toward.x, toward.z, r);
+  // A hundredth of a pixel, or a millimetre.
+  float tolerance = max(1e-3, 0.01 * right.w * (reach + k_low));
+  hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k_low, k_high, r);
+  if (hit.residual > tolerance) {
+    // Rays that nearly touch a crest: once more from the middle.
+    start = 0.5 * (k_low + k_high);
+    hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k_low, k_high, r);
+  }
   place = point + hit.k * along;
-  // Half a pixel, or a millimetre.
-  return hit.residual <= max(1e-3, 0.5 * right.w * (reach + hit.k)) && reach + hit.k > 0.0;
+  return hit.residual <= tolerance && reach + hit.k > 0.0;
 }
 #endif
 
@@ -108,7 +116,7 @@ void main() {
   carriageway_albedo(s, t, w, vec2(0.0), marking);
   out_road = vec4(height.w, arc.z + s, t, t < 0.0 ? -1.0 : 1.0);
   out_normal = vec4(normal, 0.0);
-  out_label = uvec2(marking > 0.5 ? 3u : 2u, uint(height.w) + 1u);
+  out_label = vec2(marking > 0.5 ? 3.0 : 2.0, height.w + 1.0);
 #else
   float coverage = marking_stripe(t, -w, w, width_t);
   if (!(coverage > 0.0)) discard;

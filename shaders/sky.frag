@@ -9,7 +9,7 @@ void main() {
 #ifdef CHANNELS
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
   out_normal = vec4(0.0);
-  out_label = uvec2(0u);
+  out_label = vec2(0.0);
 #else
   vec3 d = normalize(direction);
   float toward = dot(d, sun.xyz);

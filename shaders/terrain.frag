@@ -12,7 +12,7 @@ void main() {
 #ifdef CHANNELS
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
   out_normal = vec4(normal, 0.0);
-  out_label = uvec2(1u, 0u);
+  out_label = vec2(1.0, 0.0);
 #else
   vec2 place = relative.xy + eye_phase.xy;
   float footprint = length(relative) * right.w * 1.5;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -12,6 +11,7 @@
 
 #include "roadgen/render/gl.h"
 #include "roadgen/render/program.h"
+#include "roadgen/render/render_target.h"
 #include "roadgen/render/road_instance.h"
 
 namespace roadgen {
@@ -126,56 +126,23 @@ Result<Programs> compile(const ShaderDefines& defines) {
   return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*sky)};
 }
 
-// Colour (or data) and depth attachments of one size.
-struct Target {
-  gl::Framebuffer framebuffer;
-  std::vector<gl::Texture> textures;
-  int width = 0, height = 0, samples = 0;
-
-  Status allocate(std::span<const GLenum> formats, int w, int h, int sample_count) {
-    if (w == width && h == height && sample_count == samples) return Done{};
-    framebuffer = gl::Framebuffer::create();
-    textures.clear();
-    std::vector<GLenum> draw;
-    for (std::size_t i = 0; i < formats.size(); ++i) {
-      textures.push_back(gl::Texture::image_2d(formats[i], w, h, 1, sample_count));
-      const bool depth = formats[i] == GL_DEPTH_COMPONENT32F;
-      const GLenum point = depth ? GL_DEPTH_ATTACHMENT : static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i);
-      glNamedFramebufferTexture(framebuffer.id(), point, textures.back().id(), 0);
-      if (!depth) draw.push_back(point);
-    }
-    glNamedFramebufferDrawBuffers(framebuffer.id(), static_cast<GLsizei>(draw.size()), draw.data());
-    if (glCheckNamedFramebufferStatus(framebuffer.id(), GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-      width = 0;
-      return Error{ErrorCode::kContext, "the GPU refuses a framebuffer of " + std::to_string(w) + " x " +
-                                            std::to_string(h) + " pixels; ask for a smaller picture"};
-    }
-    width = w, height = h, samples = sample_count;
+// The target of a size, made anew when the size changes.
+Status ensure(RenderTarget& target, int width, int height, int samples, std::vector<GLenum> colors, GLenum depth) {
+  if (target.framebuffer() != 0 && target.width() == width && target.height() == height && target.samples() == samples) {
     return Done{};
   }
-};
-
-// GL hands rows from the bottom; pictures run from the top.
-template <class T>
-void flip_rows(std::vector<T>& pixels, int height) {
-  const std::size_t row = pixels.size() / static_cast<std::size_t>(height);
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height) / 2; ++y) {
-    std::swap_ranges(pixels.begin() + static_cast<std::ptrdiff_t>(y * row),
-                     pixels.begin() + static_cast<std::ptrdiff_t>((y + 1) * row),
-                     pixels.end() - static_cast<std::ptrdiff_t>((y + 1) * row));
-  }
+  auto made = RenderTarget::create({width, height, std::move(colors), depth, samples});
+  if (!made) return made.error();
+  target = std::move(*made);
+  return Done{};
 }
 
-template <class T>
-std::vector<T> read_attachment(const Target& target, GLenum attachment, GLenum format, GLenum type, int values) {
-  std::vector<T> pixels(static_cast<std::size_t>(target.width) * static_cast<std::size_t>(target.height) *
-                        static_cast<std::size_t>(values));
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer.id());
-  if (attachment != GL_NONE) glReadBuffer(attachment);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, target.width, target.height, format, type, pixels.data());
-  flip_rows(pixels, target.height);
-  return pixels;
+Image<std::uint32_t> channel(const ImageF& image, int index) {
+  Image<std::uint32_t> values(image.width, image.height, 1);
+  for (std::size_t i = 0; i < values.pixels.size(); ++i) {
+    values.pixels[i] = static_cast<std::uint32_t>(image.pixels[i * static_cast<std::size_t>(image.channels) + static_cast<std::size_t>(index)]);
+  }
+  return values;
 }
 
 Status check_request(const Camera& camera, int width, int height) {
@@ -205,7 +172,7 @@ struct Renderer::State {
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
   Lighting lighting;
-  Target drawn, resolved, channels;
+  RenderTarget drawn, resolved, channels;
 
   void upload_frame(const Camera& camera, int width, int height);
   void draw_scene(const Programs& programs, const Camera& camera, int width, int height);
@@ -278,9 +245,9 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
 }
 
 Status Renderer::State::draw_picture(const Camera& camera, int width, int height, int samples) {
-  constexpr GLenum kFormats[] = {GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT32F};
-  if (Status s = drawn.allocate(kFormats, width, height, samples); !s) return s;
-  glBindFramebuffer(GL_FRAMEBUFFER, drawn.framebuffer.id());
+  if (Status s = ensure(drawn, width, height, samples, {GL_SRGB8_ALPHA8}, GL_DEPTH_COMPONENT32F); !s) return s;
+  if (Status s = ensure(resolved, width, height, 1, {GL_SRGB8_ALPHA8}, 0); !s) return s;
+  drawn.bind();
   const float black[4] = {0, 0, 0, 1}, far[1] = {0};
   glClearBufferfv(GL_COLOR, 0, black);
   glClearBufferfv(GL_DEPTH, 0, far);
@@ -290,24 +257,21 @@ Status Renderer::State::draw_picture(const Camera& camera, int width, int height
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   draw_scene(picture, camera, width, height);
   glDisable(GL_BLEND);
-  constexpr GLenum kColorOnly[] = {GL_SRGB8_ALPHA8};
-  if (Status s = resolved.allocate(kColorOnly, width, height, 1); !s) return s;
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn.framebuffer.id());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer.id());
-  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitNamedFramebuffer(drawn.framebuffer(), resolved.framebuffer(), 0, 0, width, height, 0, 0, width, height,
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glDisable(GL_FRAMEBUFFER_SRGB);
   return Done{};
 }
 
 Status Renderer::State::draw_channels(const Camera& camera, int width, int height) {
-  constexpr GLenum kFormats[] = {GL_RGBA32F, GL_RGBA32F, GL_RG32UI, GL_DEPTH_COMPONENT32F};
-  if (Status s = channels.allocate(kFormats, width, height, 1); !s) return s;
-  glBindFramebuffer(GL_FRAMEBUFFER, channels.framebuffer.id());
-  const float nothing[4] = {-1, 0, 0, 0}, none[4] = {0, 0, 0, 0};
-  const GLuint zero[4] = {0, 0, 0, 0};
-  glClearBufferfv(GL_COLOR, 0, nothing);
+  if (Status s = ensure(channels, width, height, 1, {GL_RGBA32F, GL_RGBA32F, GL_RG32F}, GL_DEPTH_COMPONENT32F); !s) {
+    return s;
+  }
+  channels.bind();
+  const float off_road[4] = {-1, 0, 0, 0}, none[4] = {0, 0, 0, 0};
+  glClearBufferfv(GL_COLOR, 0, off_road);
   glClearBufferfv(GL_COLOR, 1, none);
-  glClearBufferuiv(GL_COLOR, 2, zero);
+  glClearBufferfv(GL_COLOR, 2, none);
   glClearBufferfv(GL_DEPTH, 0, none);
   draw_scene(data, camera, width, height);
   return Done{};
@@ -372,37 +336,25 @@ Result<Frame> Renderer::render(const Camera& camera, const FrameOptions& options
   State& state = *state_;
   if (Status s = state.context.make_current(); !s) return s.error();
   Frame frame;
-  frame.width = options.width;
-  frame.height = options.height;
   if (options.channels & kColor) {
     if (Status s = state.draw_picture(camera, options.width, options.height, options.samples); !s) return s.error();
-    frame.color = read_attachment<std::uint8_t>(state.resolved, GL_COLOR_ATTACHMENT0, GL_RGBA, GL_UNSIGNED_BYTE, 4);
+    frame.color = state.resolved.read_rgba8();
   }
   if ((options.channels & ~kColor) == 0) return frame;
 
   if (Status s = state.draw_channels(camera, options.width, options.height); !s) return s.error();
   if (options.channels & kDepth) {
-    frame.depth_m = read_attachment<float>(state.channels, GL_NONE, GL_DEPTH_COMPONENT, GL_FLOAT, 1);
-    for (float& d : frame.depth_m) {
+    frame.depth_m = state.channels.read_depth();
+    for (float& d : frame.depth_m.pixels) {
       d = d > 0 ? static_cast<float>(camera.near_m / d) : std::numeric_limits<float>::infinity();
     }
   }
-  if (options.channels & kRoad) {
-    const auto values = read_attachment<float>(state.channels, GL_COLOR_ATTACHMENT0, GL_RGBA, GL_FLOAT, 4);
-    frame.road.resize(values.size() / 4);
-    std::memcpy(frame.road.data(), values.data(), values.size() * sizeof(float));
-  }
-  if (options.channels & kNormal) {
-    const auto values = read_attachment<float>(state.channels, GL_COLOR_ATTACHMENT1, GL_RGB, GL_FLOAT, 3);
-    frame.normal.resize(values.size() / 3);
-    std::memcpy(frame.normal.data(), values.data(), values.size() * sizeof(float));
-  }
+  if (options.channels & kRoad) frame.road = state.channels.read_float(0, 4);
+  if (options.channels & kNormal) frame.normal = state.channels.read_float(1, 3);
   if (options.channels & (kLabel | kInstance)) {
-    const auto values = read_attachment<std::uint32_t>(state.channels, GL_COLOR_ATTACHMENT2, GL_RG_INTEGER, GL_UNSIGNED_INT, 2);
-    for (std::size_t i = 0; i < values.size(); i += 2) {
-      if (options.channels & kLabel) frame.label.push_back(values[i]);
-      if (options.channels & kInstance) frame.instance.push_back(values[i + 1]);
-    }
+    const ImageF ids = state.channels.read_float(2, 2);
+    if (options.channels & kLabel) frame.label = channel(ids, 0);
+    if (options.channels & kInstance) frame.instance = channel(ids, 1);
   }
   return frame;
 }
@@ -411,9 +363,8 @@ Status Renderer::draw(const Camera& camera, int width, int height, int samples, 
   if (Status s = check_request(camera, width, height); !s) return s;
   if (Status s = state_->context.make_current(); !s) return s;
   if (Status s = state_->draw_picture(camera, width, height, samples); !s) return s;
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, state_->resolved.framebuffer.id());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target);
-  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitNamedFramebuffer(state_->resolved.framebuffer(), target, 0, 0, width, height, 0, 0, width, height,
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
   return Done{};
 }
 

@@ -11,13 +11,10 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
-
-#include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
 
 #include "roadgen/render/camera.h"
 #include "roadgen/render/context.h"
+#include "roadgen/render/image.h"
 #include "roadgen/road/network.h"
 #include "terrain/terrain.h"
 
@@ -43,15 +40,14 @@ struct FrameOptions {
   int samples = 4;                 // of the picture: 1 or 4. Data channels are taken at pixel centres
 };
 
-// Pixels row by row from the top left; a channel that was not asked for is empty.
+// A channel that was not asked for has no pixels.
 struct Frame {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> color;      // RGBA, sRGB-encoded
-  std::vector<float> depth_m;           // along the view axis, +inf where nothing is
-  std::vector<std::uint32_t> label;     // Label
-  std::vector<std::uint32_t> instance;  // 1 + index of the road, 0 off the roads
-  std::vector<glm::vec3> normal;        // unit, ENU; 0 where nothing is
-  std::vector<glm::vec4> road;          // index of the road, s (m), t (m), lane; index -1 off the roads
+  Image8 color;                     // RGBA
+  ImageF depth_m;                   // along the view axis, +inf where nothing is
+  Image<std::uint32_t> label;       // Label
+  Image<std::uint32_t> instance;    // 1 + index of the road, 0 off the roads
+  ImageF normal;                    // 3 channels: unit, ENU; 0 where nothing is
+  ImageF road;                      // 4 channels: index of the road, s (m), t (m), lane; index -1 off the roads
 };
 
 struct Lighting {
@@ -78,7 +74,8 @@ class Renderer {
 
   // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
   Result<Frame> render(const Camera& camera, const FrameOptions& options);
-  // Draws into the context's own window, or the framebuffer object `target` of the caller. No read-back.
+  // Draws into the framebuffer object `target` of the current context; 0 is a window's own. No read-back.
+  // Errors: as render.
   Status draw(const Camera& camera, int width, int height, int samples, unsigned target = 0);
 
  private:

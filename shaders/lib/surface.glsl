@@ -36,17 +36,22 @@ struct RoadHit {
   float residual;  // |z of the ray - z of the surface| at the end of the iteration, m
 };
 
-// Where the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], meets the surface: Newton from the chord's plane,
-// kept inside the interval. The surface is level across, so its height depends on u alone, and
-// du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f'') from equation 1.
-FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
-                             IN(float) k_low, IN(float) k_high, IN(RoadSurface) r) {
+// Where the ray (x, y, z) + k (dx, dy, dz) meets the plane through the segment's chord: where to begin.
+FN float surface_chord_plane(IN(float) x, IN(float) z, IN(float) dx, IN(float) dz, IN(RoadSurface) r) {
   float rise = surface_height(float(1.0), r);
   float approach = dz - rise * dx;
   approach = abs(approach) < 1e-6 ? float(-1e-6) : approach;
+  return (rise * x - z) / approach;
+}
+
+// Where the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], meets the surface: Newton from k_start, kept inside
+// the interval. The surface is level across, so its height depends on u alone, and
+// du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f'') from equation 1.
+FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
+                             IN(float) k_start, IN(float) k_low, IN(float) k_high, IN(RoadSurface) r) {
   RoadHit hit;
-  hit.k = clamp((rise * x - z) / approach, k_low, k_high);
-  for (int i = 0; i < 5; ++i) {
+  hit.k = clamp(k_start, k_low, k_high);
+  for (int i = 0; i < 7; ++i) {
     hit.x = x + hit.k * dx;
     hit.y = y + hit.k * dy;
     RoadCoord c = road_project(hit.x, hit.y, r.a, r.b);
@@ -60,7 +65,7 @@ FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
     float ds = r.chord * road_darc(c.u, r.a, r.b, r.arc / r.chord, r.c0, r.c1) * du;
     float closing = dz - surface_grade(c.u, r) * ds;
     closing = abs(closing) < 1e-6 ? float(-1e-6) : closing;
-    if (i < 4) hit.k = clamp(hit.k - above / closing, k_low, k_high);
+    if (i < 6) hit.k = clamp(hit.k - above / closing, k_low, k_high);
   }
   return hit;
 }
