@@ -16,11 +16,19 @@ void main() {
 #else
   vec2 place = relative.xy + eye_phase.xy;
   float footprint = length(relative) * right.w * 1.5;
-  float broad = noise_fractal(place.x, place.y, 512.0, 3, 0.55, footprint);
-  float middle = noise_fractal(place.x, place.y, 32.0, 3, 0.6, footprint);
-  float fine = noise_fractal(place.x, place.y, 2.0, 4, 0.7, footprint);
   float altitude = (relative.z - ground.x) * ground.y;
-  vec3 albedo = ground_albedo(1.0 - normal.z, altitude, broad, middle, fine);
-  out_color = vec4(frame_tone(frame_shade(albedo, normal, relative)), 1.0);
+  float steepness = 1.0 - normal.z;
+  float broad = noise_fractal(place.x, place.y, 512.0, 3, 0.55, footprint);
+  vec3 middle = noise_fractal_slope(place.x, place.y, 64.0, 6, 0.5, footprint);
+  float fine = noise_fractal(place.x, place.y, 2.0, 6, 0.75, footprint);
+  float bareness = ground_bareness(steepness, altitude, broad, middle.x, fine);
+  // Layers of the rock: bands by height, bent by the middle noise.
+  float band = relative.z - ground.x + 9.0 * middle.x + 14.0 * broad;
+  float strata = noise_value(band, 37.0, 8.0) * noise_band(8.0, footprint) * 0.6 +
+                 noise_value(band, 71.0, 32.0) * noise_band(32.0, footprint) * 0.6;
+  vec3 albedo = ground_albedo(bareness, steepness, altitude, broad, middle.x, fine, strata);
+  // Bumps of the rock up to 3 m, of the meadow up to 0.6 m.
+  vec3 bumped = normalize(normal - vec3(middle.yz, 0.0) * mix(0.6, 3.0, bareness));
+  out_color = vec4(frame_tone(frame_shade(albedo, bumped, relative)), 1.0);
 #endif
 }

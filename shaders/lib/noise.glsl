@@ -20,8 +20,9 @@ FN float noise_lattice(IN(int) i, IN(int) j, IN(int) cells) {
   return float(int(h >> 8u)) * (2.0 / 16777216.0) - 1.0;
 }
 
-// Value noise in [-1, 1] with the given wavelength (a power of two, 1/64 to 1024 m), C2.
-FN float noise_value(IN(float) x, IN(float) y, IN(float) wavelength) {
+// Value noise in [-1, 1] with the given wavelength (a power of two, 1/64 to 1024 m), C2: x; and its slopes along x and
+// y per metre: y, z.
+FN vec3 noise_value_slope(IN(float) x, IN(float) y, IN(float) wavelength) {
   float px = x / wavelength;
   float py = y / wavelength;
   float fx = floor(px);
@@ -33,9 +34,19 @@ FN float noise_value(IN(float) x, IN(float) y, IN(float) wavelength) {
   float ty = py - fy;
   float wx = tx * tx * tx * (tx * (tx * 6.0 - 15.0) + 10.0);
   float wy = ty * ty * ty * (ty * (ty * 6.0 - 15.0) + 10.0);
-  float low = mix(noise_lattice(i, j, cells), noise_lattice(i + 1, j, cells), wx);
-  float high = mix(noise_lattice(i, j + 1, cells), noise_lattice(i + 1, j + 1, cells), wx);
-  return mix(low, high, wy);
+  float sx = 30.0 * tx * tx * (tx * (tx - 2.0) + 1.0) / wavelength;
+  float sy = 30.0 * ty * ty * (ty * (ty - 2.0) + 1.0) / wavelength;
+  float v00 = noise_lattice(i, j, cells);
+  float v10 = noise_lattice(i + 1, j, cells);
+  float v01 = noise_lattice(i, j + 1, cells);
+  float v11 = noise_lattice(i + 1, j + 1, cells);
+  float twist = v00 - v10 - v01 + v11;
+  return vec3(v00 + (v10 - v00) * wx + (v01 - v00) * wy + twist * wx * wy, (v10 - v00 + twist * wy) * sx,
+              (v01 - v00 + twist * wx) * sy);
+}
+
+FN float noise_value(IN(float) x, IN(float) y, IN(float) wavelength) {
+  return noise_value_slope(x, y, wavelength).x;
 }
 
 // How much of a wavelength survives a pixel footprint (both in metres): 1 when well resolved, 0 below two pixels.
@@ -53,6 +64,21 @@ FN float noise_fractal(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) o
   for (int octave = 0; octave < octaves; ++octave) {
     float band = noise_band(length_m, footprint);
     if (band > 0.0) sum += weight * band * noise_value(x, y, length_m);
+    weight *= gain;
+    length_m *= 0.5;
+  }
+  return sum;
+}
+
+// The same with slopes, as noise_value_slope gives them. A gain of 1/2 makes ground of equal roughness at all scales.
+FN vec3 noise_fractal_slope(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) octaves, IN(float) gain,
+                            IN(float) footprint) {
+  vec3 sum = vec3(0.0, 0.0, 0.0);
+  float weight = float(1.0);
+  float length_m = wavelength;
+  for (int octave = 0; octave < octaves; ++octave) {
+    float band = noise_band(length_m, footprint);
+    if (band > 0.0) sum += noise_value_slope(x, y, length_m) * (weight * band);
     weight *= gain;
     length_m *= 0.5;
   }
