@@ -2,6 +2,7 @@
 
 #include <glad/gl.h>
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 
@@ -12,6 +13,7 @@ namespace roadgen {
 struct Context::State {
   ContextOptions options;
   std::unique_ptr<Backend> backend;
+  std::atomic<bool> in_use = false;  // current in some thread; not every driver refuses a second one
   std::string vendor, renderer, version;
   std::mutex debug_mutex;  // a driver may report from a thread of its own
   std::vector<std::string> debug_messages;
@@ -50,8 +52,10 @@ const char* debug_type_name(GLenum type) {
   }
 }
 
-// What is a fault of ours; drivers also chat about performance and buffer placement.
-bool is_fault(GLenum type, GLenum severity) {
+// What is a fault of ours; drivers also chat about performance and buffer placement. Errors of the shader compiler are
+// left out, since Program returns them.
+bool is_fault(GLenum source, GLenum type, GLenum severity) {
+  if (source == GL_DEBUG_SOURCE_SHADER_COMPILER && type == GL_DEBUG_TYPE_ERROR) return false;
   return type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR ||
          type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR || severity == GL_DEBUG_SEVERITY_HIGH;
 }
@@ -105,6 +109,7 @@ Context::Context(std::unique_ptr<State> state) : state_(std::move(state)) {}
 void Context::release_current() {
   if (!current_context) return;
   current_context->state_->backend->release();
+  current_context->state_->in_use = false;
   current_context = nullptr;
 }
 
@@ -137,9 +142,9 @@ Result<std::unique_ptr<Context>> Context::create_current(const ContextOptions& o
     glEnable(GL_DEBUG_OUTPUT);
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
     glDebugMessageCallback(
-        [](GLenum, GLenum type, GLuint, GLenum severity, GLsizei, const GLchar* text, const void* user) {
+        [](GLenum source, GLenum type, GLuint, GLenum severity, GLsizei, const GLchar* text, const void* user) {
           auto* target = static_cast<State*>(const_cast<void*>(user));
-          if (is_fault(type, severity)) add_message(target->debug_mutex, target->debug_messages, type, text);
+          if (is_fault(source, type, severity)) add_message(target->debug_mutex, target->debug_messages, type, text);
         },
         &made);
   }
@@ -157,13 +162,17 @@ Status Context::make_current() {
   if (is_current()) return Done{};
   // Release first: the drivers share the thread's dispatch table, but each remembers only its own current context.
   release_current();
-  if (!state_->backend->make_current()) {
-    return Error{ErrorCode::kContext, std::string("the driver cannot make the ") + context_kind_name(kind()) +
-                                          " context current; is it current in another thread?"};
+  const std::string name = std::string("the ") + context_kind_name(kind()) + " context";
+  if (state_->in_use.exchange(true)) return Error{ErrorCode::kContext, name + " is current in another thread"};
+  Status status = Done{};
+  if (state_->backend->make_current()) {
+    status = load_functions(kind(), *state_->backend);
+    if (!status) state_->backend->release();
+  } else {
+    status = Error{ErrorCode::kContext, "the driver refuses to make " + name + " current"};
   }
-  const Status status = load_functions(kind(), *state_->backend);
   if (!status) {
-    state_->backend->release();
+    state_->in_use = false;
     return status;
   }
   current_context = this;

@@ -58,8 +58,10 @@ class Context {
 
   // Makes the context current in this thread, releasing the thread's former one. No cost if it is current already;
   // reloads about 1000 function pointers if the last one was of another kind.
-  // Errors: kContext (current in another thread, or the driver refused).
+  // Errors: kContext: it is current in another thread, or the driver refuses; then this thread has no current context.
   Status make_current();
+  // Leaves this thread without a current context, so that another thread may have it.
+  static void release_current();
   bool is_current() const;
   // The context that was last made current in this thread, or null.
   static Context* current();
@@ -75,7 +77,8 @@ class Context {
   PixelSize framebuffer_size() const;
 
   // Messages of KHR_debug since the last call, oldest first, at most kMaxDebugMessages: errors, undefined and deprecated
-  // behaviour, and all of high severity. Needs options.debug. Tests assert that there are none.
+  // behaviour, and all of high severity; but for failures to compile a shader, which Program returns. Needs
+  // options.debug. Tests assert that there are none.
   static constexpr int kMaxDebugMessages = 1000;
   std::vector<std::string> take_debug_messages();
 
@@ -96,7 +99,6 @@ class Context {
  private:
   struct State;
   explicit Context(std::unique_ptr<State> state);
-  static void release_current();
   static Result<std::unique_ptr<Context>> create_current(const ContextOptions& options);
   std::unique_ptr<State> state_;
 };

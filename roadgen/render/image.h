@@ -3,9 +3,11 @@
 // A file appears whole or not at all: it is written under a temporary name in the same folder and then renamed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "roadgen/road/result.h"
@@ -30,6 +32,11 @@ struct Image {
   // Requires: in range.
   T& at(int x, int y, int channel) { return pixels[index(x, y, channel)]; }
   const T& at(int x, int y, int channel) const { return pixels[index(x, y, channel)]; }
+  // The channel of that name, or -1.
+  int channel_index(std::string_view name) const {
+    const auto found = std::find(channel_names.begin(), channel_names.end(), name);
+    return found == channel_names.end() ? -1 : static_cast<int>(found - channel_names.begin());
+  }
 
  private:
   size_t index(int x, int y, int channel) const {

@@ -47,10 +47,9 @@ class Expander {
   explicit Expander(ShaderSource& out) : out_(out) {}
 
   Status add(const std::string& name, std::string_view text) {
-    const size_t index = out_.files.size();
+    const int index = static_cast<int>(out_.files.size());
     out_.files.push_back(name);
     stack_.push_back(name);
-    mark_line(1, index);
     int number = 0;
     while (!text.empty()) {
       const size_t end = std::min(text.find('\n'), text.size());
@@ -60,10 +59,10 @@ class Expander {
       const std::optional<std::string> included = included_name(line);
       if (!included) {
         out_.text.append(line).push_back('\n');
+        out_.lines.push_back({index, number});
         continue;
       }
       if (const Status status = include(*included, number); !status) return status;
-      mark_line(number + 1, index);
     }
     stack_.pop_back();
     return Done{};
@@ -84,35 +83,35 @@ class Expander {
     return add(name, *text);
   }
 
-  // The next line is line `number` of file `index`.
-  void mark_line(int number, size_t index) {
-    out_.text += "#line " + std::to_string(number) + " " + std::to_string(index) + "\n";
-  }
-
   ShaderSource& out_;
   std::vector<std::string> stack_;  // the files being expanded, outermost first
 };
 
 struct LogEntry {
-  size_t file;
   int line;
   std::string message;
 };
 
 // Mesa: "0:42(13): error: ..."; NVIDIA: "0(42) : error C1008: ...".
 std::vector<LogEntry> log_errors(const std::string& log) {
-  static const std::regex kMesa(R"(^(\d+):(\d+)\(\d+\): (?:preprocessor )?error: (.*)$)");
-  static const std::regex kNvidia(R"(^(\d+)\((\d+)\) : (?:fatal )?error (.*)$)");
+  static const std::regex kMesa(R"(^\d+:(\d+)\(\d+\): (?:preprocessor )?error: (.*)$)");
+  static const std::regex kNvidia(R"(^\d+\((\d+)\) : (?:fatal )?error (.*)$)");
   std::vector<LogEntry> entries;
   std::istringstream lines(log);
   for (std::string line; std::getline(lines, line);) {
     std::smatch match;
     if (line.size() > 2000) line.resize(2000);  // std::regex recurses per character
     if (std::regex_match(line, match, kMesa) || std::regex_match(line, match, kNvidia)) {
-      entries.push_back({std::strtoul(match[1].str().c_str(), nullptr, 10), std::atoi(match[2].str().c_str()), match[3]});
+      entries.push_back({std::atoi(match[1].str().c_str()), match[2]});
     }
   }
   return entries;
+}
+
+// The origin of a line of the text; file -1 where there is none.
+ShaderSource::Origin origin_of(int line, const ShaderSource& source) {
+  if (line < 1 || line > static_cast<int>(source.lines.size())) return {-1, 0};
+  return source.lines[static_cast<size_t>(line - 1)];
 }
 
 }  // namespace
@@ -128,6 +127,8 @@ Result<ShaderSource> shader_source_from_text(const std::string& name, std::strin
   ShaderSource source;
   source.text = "#version 450 core\n#define FN\n#define IN(T) in T\n#define OUT(T) out T\n";
   for (const auto& [macro, value] : defines) source.text += "#define " + macro + " " + value + "\n";
+  const auto preamble = static_cast<int>(std::count(source.text.begin(), source.text.end(), '\n'));
+  for (int line = 1; line <= preamble; ++line) source.lines.push_back({-1, line});
   if (const Status status = Expander(source).add(name, text); !status) return status.error();
   return source;
 }
@@ -142,14 +143,14 @@ Error shader_error(const std::string& log, const ShaderSource& source) {
   Error error{ErrorCode::kShader, ""};
   const std::vector<LogEntry> entries = log_errors(log);
   for (size_t i = 0; i < entries.size() && i < 3; ++i) {
-    const LogEntry& entry = entries[i];
-    const std::string file = entry.file < source.files.size() ? kFolder + source.files[entry.file] : std::string();
+    const auto [index, line] = origin_of(entries[i].line, source);
+    const std::string file = index >= 0 ? kFolder + source.files[static_cast<size_t>(index)] : "macros before shaders";
     if (i == 0) {
       error.file = file;
-      error.line = entry.line;
-      error.message = entry.message;
+      error.line = line;
+      error.message = entries[i].message;
     } else {
-      error.message += "; " + file + ":" + std::to_string(entry.line) + ": " + entry.message;
+      error.message += "; " + file + ":" + std::to_string(line) + ": " + entries[i].message;
     }
   }
   if (entries.empty()) {

@@ -7,8 +7,8 @@
 //   #define FN / IN(T) in T / OUT(T) out T     the GLSL side of shaders/lib/glsl.h
 //   #define ...                                 the caller's
 //
-// and #line directives tell the driver the file (by its index in ShaderSource::files) and line of everything, so that
-// its complaints can be mapped back.
+// The driver sees one numbered text, and ShaderSource::lines maps its complaints back to files and lines. #line
+// directives would not do: Mesa's compiler forgets the file number of most expressions and calls every file 0.
 //
 // Files come from the directory that the environment variable ROADGEN_SHADER_DIR names, if it has them; otherwise they
 // are those that were embedded when the library was built.
@@ -27,8 +27,13 @@ namespace roadgen {
 using ShaderDefines = std::vector<std::pair<std::string, std::string>>;
 
 struct ShaderSource {
+  struct Origin {
+    int file;  // index into files, or -1 for the lines put before them
+    int line;  // 1-based
+  };
   std::string text;                // ready for glShaderSource
-  std::vector<std::string> files;  // the file names, relative to shaders/, by their number in #line directives
+  std::vector<std::string> files;  // the file names, relative to shaders/, in order of appearance
+  std::vector<Origin> lines;       // where each line of text comes from
 };
 
 // One file of shaders/ by its name, such as "lib/road.glsl". Errors: kIo: no such file.

@@ -1,0 +1,7 @@
+// The whole picture at depth z.
+uniform float z;
+
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
+  gl_Position = vec4(corner, z, 1.0);
+}
