@@ -60,7 +60,7 @@ def plan(rng):
         bend(radius, sway, grade)
         straight(rest * (1 - part), grade)
 
-    def hairpins(count, side, length, grade, turn=164.0):
+    def hairpins(count, side, length, grade, turn=159.0):
         for i in range(count):
             leg(length * rng.uniform(0.85, 1.15), grade * rng.uniform(0.93, 1.08))
             # A little counter-swing before the hairpin widens it, as surveyors do on steep slopes.
@@ -223,7 +223,8 @@ class Landscape:
     def base(self, x, y):
         warp_x = x + 260 * self.noise.fractal(x / 1500 + 31, y / 1500, 3)
         warp_y = y + 260 * self.noise.fractal(x / 1500, y / 1500 + 47, 3)
-        peaks = 1750 + 1250 * self.noise.ridged(warp_x / 3300 + 0.35, warp_y / 3300 + 0.8, 6)
+        peaks = 1700 + 1350 * self.noise.ridged(warp_x / 3000 + 0.35, warp_y / 3000 + 0.8, 6)
+        spurs = self.noise.fractal(warp_x / 620 + 11.0, warp_y / 620 + 5.0, 4)  # gullies and ribs on every flank
         # The trough, U-shaped as glaciers leave it.
         best, height = 1e18, 0.0
         for px, py, pz in self.axis:
@@ -231,12 +232,12 @@ class Landscape:
             if d < best:
                 best, height = d, pz
         d = max(math.sqrt(best) - 150.0, 0.0)
-        trough = height + 0.18 * d + d * d / 1900.0
+        trough = height + 0.18 * d + d * d / 1900.0 + 85 * spurs * min(1.0, d / 500.0)
         # The main valley runs east and west along the southern edge.
         vx, vy, vz = self.valley
         across = y - vy - 0.10 * (x - vx) + 120 * self.noise.fractal(x / 2200, 7.7, 2)
         d = max(abs(across) - 220.0, 0.0)
-        floor = vz + 0.012 * (x - vx) + 0.30 * d + d * d / 2600.0
+        floor = vz + 0.012 * (x - vx) + 0.30 * d + d * d / 2600.0 + 110 * spurs * min(1.0, d / 500.0)
         return smooth_min(smooth_min(peaks, trough, 260.0), floor, 160.0)
 
     def road_near(self, x, y, reach):
@@ -248,7 +249,7 @@ class Landscape:
                 for px, py, pz in self.buckets.get((i, j), ()):
                     d2 = (px - x) ** 2 + (py - y) ** 2
                     least = min(least, d2)
-                    w = 1.0 / (d2 + 120.0) ** 1.5
+                    w = 1.0 / (d2 + 900.0) ** 1.5  # hairpins stand on an even slope, not on steps
                     total += w * pz
                     weight += w
         if least > reach * reach:
@@ -256,8 +257,8 @@ class Landscape:
         return total / weight, math.sqrt(least)
 
 
-def erode(h, columns, rows, cell, rounds, strength, fixed):
-    """Implicit stream power law with talus: valleys cut themselves in, slopes settle."""
+def erode(rng, h, columns, rows, cell, rounds, strength, share):
+    """Implicit stream power law with talus: valleys cut themselves in, slopes settle. share: of the full effect."""
     n = columns * rows
     offsets = [(dx, dy, math.hypot(dx, dy) * cell) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
     for _ in range(rounds):
@@ -269,7 +270,8 @@ def erode(h, columns, rows, cell, rounds, strength, fixed):
                 for dx, dy, distance in offsets:
                     u, v = x + dx, y + dy
                     if 0 <= u < columns and 0 <= v < rows:
-                        slope = (h[i] - h[v * columns + u]) / distance
+                        # Water finds its way with some chance, else it would all run along the eight directions.
+                        slope = (h[i] - h[v * columns + u]) / distance * rng.uniform(0.6, 1.0)
                         if slope > steepest:
                             steepest, receiver[i], length[i] = slope, v * columns + u, distance
         order = sorted(range(n), key=h.__getitem__)
@@ -280,9 +282,10 @@ def erode(h, columns, rows, cell, rounds, strength, fixed):
         for i in order:
             r = receiver[i]
             if r != i:
-                f = strength * fixed[i] * math.sqrt(area[i]) / length[i] * cell
+                f = strength * share[i] * math.sqrt(area[i]) / length[i] * cell
                 h[i] = (h[i] + f * h[r]) / (1 + f)
-                h[i] = min(h[i], h[r] + 1.25 * length[i])  # nothing stands steeper than 51 degrees
+                h[i] = min(h[i], h[r] + 1.2 * length[i])  # nothing stands steeper than 50 degrees
+        h = diffuse(h, columns, rows, 0.12)
     return h
 
 
@@ -306,8 +309,8 @@ def mountains(xs, ys, zs, west, south, columns, rows, step_x, step_y):
             h.append(land.base(x, y))
             near.append(land.road_near(x, y, reach))
     gentle = [1.0 if n is None else 0.15 + 0.85 * (n[1] / reach) ** 2 for n in near]
-    h = erode(h, columns, rows, 0.5 * (step_x + step_y), 9, 0.016, gentle)
-    h = diffuse(h, columns, rows, 0.35)
+    h = erode(random.Random(SEED), h, columns, rows, 0.5 * (step_x + step_y), 14, 0.009, gentle)
+    h = diffuse(h, columns, rows, 0.25)
     # Near the road the ground is where the road is, give or take what a road builder moves.
     for i, n in enumerate(near):
         x, y = west + (i % columns) * step_x, south + (i // columns) * step_y
