@@ -66,7 +66,7 @@ def plan(rng):
             # A little counter-swing before the hairpin widens it, as surveyors do on steep slopes.
             swing = rng.uniform(6, 12)
             bend(60, -side * swing, 0.6 * grade)
-            bend(rng.uniform(12.5, 16.5), side * (turn + 2 * swing), 0.55 * grade)
+            bend(rng.uniform(13.5, 17.0), side * (turn + 2 * swing), 0.55 * grade)
             bend(60, -side * swing, 0.6 * grade)
             side = -side
         return side
@@ -231,8 +231,8 @@ class Landscape:
             d = (warp_x * 0.5 + x * 0.5 - px) ** 2 + (warp_y * 0.5 + y * 0.5 - py) ** 2
             if d < best:
                 best, height = d, pz
-        d = max(math.sqrt(best) - 150.0, 0.0)
-        trough = height + 0.18 * d + d * d / 1900.0 + 85 * spurs * min(1.0, d / 500.0)
+        d = max(math.sqrt(best) - 70.0, 0.0)
+        trough = height + 0.24 * d + d * d / 1700.0 + 85 * spurs * min(1.0, d / 500.0)
         # The main valley runs east and west along the southern edge.
         vx, vy, vz = self.valley
         across = y - vy - 0.10 * (x - vx) + 120 * self.noise.fractal(x / 2200, 7.7, 2)
@@ -301,7 +301,7 @@ def diffuse(h, columns, rows, amount):
 def mountains(xs, ys, zs, west, south, columns, rows, step_x, step_y):
     """Heights row by row from the south-west post."""
     land = Landscape(xs, ys, zs)
-    reach = 620.0
+    reach = 480.0
     h, near = [], []
     for row in range(rows):
         for column in range(columns):
