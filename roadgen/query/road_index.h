@@ -1,0 +1,115 @@
+// World to road: which road, and where along and across it, a point of the world belongs to.
+//
+// A static tree of boxes over the footprints of all segments. On a carriageway the answer is the road function's own
+// (project(), what the pixel shader evaluates), so a query and the picture agree; beside it, the truly nearest point.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "roadgen/road/network.h"
+
+namespace roadgen {
+
+// Which segment: network.roads[road].segments[segment].
+struct SegmentRef {
+  std::uint32_t road = 0;
+  std::uint32_t segment = 0;
+  bool operator==(const SegmentRef&) const = default;
+};
+
+// Where a point stands against a segment.
+struct RoadPoint {
+  SegmentRef at;
+  double u = 0;           // of the segment, [0, 1]
+  double s_m = 0;         // arc length along the road
+  double t_m = 0;         // signed distance across, positive to the left
+  double distance_m = 0;  // from the reference line, horizontally; |t_m| but beyond the ends of an open road
+  double outside_m = 0;   // from the carriageway, horizontally; 0 on it
+  double height_m = 0;    // of the point above the road's surface; 0 where the query gave no height
+};
+
+// How the point stands against one segment, however far away. Accuracy: on the carriageway |t - exact| is at most
+// segment.bound.v * L and s is off by at most segment.bound.u * L times ds/dx; elsewhere 1e-9 m. Cost: O(1).
+RoadPoint locate(const Segment& segment, glm::dvec2 point_m);
+
+// The height of the road's surface at arc length s_m from the segment's start and offset t_m.
+inline double surface_height_m(const Segment& segment, double local_s_m, double /*t_m*/) {
+  return segment.elevation_m.value(local_s_m);
+}
+
+// Immutable after construction: any number of threads may ask. No allocation per query but in within().
+class RoadIndex {
+ public:
+  // Requires: the network stays where it is and unchanged while the index is used. Cost: O(n log n), n segments.
+  explicit RoadIndex(const Network& network);
+
+  // The nearest place on a road whose carriageway is within reach_m of the point, horizontally; none where there is
+  // none. Of several roads at the point (reach 0: crossing, overlapping) the one with the smaller |t| is taken, or
+  // where a height is given, the one whose surface is nearest in height: nearest is what minimises
+  // hypot(outside_m, height_m), then distance_m. Requires: reach_m >= 0, may be infinite.
+  // Cost: O(log n) for roads that do not all overlap.
+  std::optional<RoadPoint> to_road(glm::dvec2 point_m, double reach_m) const;
+  std::optional<RoadPoint> to_road(glm::dvec3 point_m, double reach_m) const;
+
+  // The segments whose footprint's box is within reach_m of the point, in no order; a superset of the segments whose
+  // carriageway is.
+  std::vector<SegmentRef> within(glm::dvec2 point_m, double reach_m) const;
+
+  // The same by call-back: visit(SegmentRef, const Segment&) for each, without allocation.
+  template <class Visit>
+  void visit_within(glm::dvec2 point_m, double reach_m, Visit&& visit) const;
+
+  const Segment& segment(SegmentRef ref) const { return network_->roads[ref.road].segments[ref.segment]; }
+  const Network& network() const { return *network_; }
+  std::size_t size() const { return refs_.size(); }
+
+ private:
+  struct Box {
+    glm::dvec3 low_m, high_m;
+  };
+  struct Node {
+    Box box;
+    std::uint32_t first = 0;  // leaf: of refs_; inner: the left child, the right one after it
+    std::uint32_t count = 0;  // leaf: number of segments; inner: 0
+  };
+  static constexpr int kStack = 64;  // the tree is balanced, its depth at most log2(2^32)
+
+  std::optional<RoadPoint> search(glm::dvec3 point_m, bool with_height, double reach_m) const;
+  // Squared horizontal distance of a point from a box; 0 inside.
+  static double distance2(const Box& box, glm::dvec2 p) {
+    const double dx = p.x < box.low_m.x ? box.low_m.x - p.x : (p.x > box.high_m.x ? p.x - box.high_m.x : 0);
+    const double dy = p.y < box.low_m.y ? box.low_m.y - p.y : (p.y > box.high_m.y ? p.y - box.high_m.y : 0);
+    return dx * dx + dy * dy;
+  }
+
+  const Network* network_;
+  std::vector<Node> nodes_;
+  std::vector<SegmentRef> refs_;
+  std::vector<Box> boxes_;  // of refs_
+};
+
+template <class Visit>
+void RoadIndex::visit_within(glm::dvec2 point_m, double reach_m, Visit&& visit) const {
+  if (nodes_.empty()) return;
+  const double reach2 = reach_m * reach_m;
+  std::uint32_t stack[kStack];
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    if (distance2(node.box, point_m) > reach2) continue;
+    if (node.count == 0) {
+      stack[top++] = node.first;
+      stack[top++] = node.first + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      if (distance2(boxes_[i], point_m) <= reach2) visit(refs_[i], segment(refs_[i]));
+    }
+  }
+}
+
+}  // namespace roadgen

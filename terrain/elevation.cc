@@ -1,0 +1,300 @@
+#include "terrain/elevation.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <mutex>
+#include <numbers>
+#include <optional>
+
+#include <cpl_conv.h>
+#include <cpl_vsi.h>
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
+namespace roadgen {
+namespace {
+
+constexpr double kMetresPerDegree = 6371008.8 * std::numbers::pi / 180;
+constexpr double kFoot_m = 0.3048, kSurveyFoot_m = 1200.0 / 3937.0;
+constexpr std::int64_t kMostPosts = std::int64_t{1} << 28;
+
+struct CloseDataset {
+  void operator()(GDALDataset* dataset) const { GDALClose(dataset); }
+};
+using Dataset = std::unique_ptr<GDALDataset, CloseDataset>;
+
+struct CloseTransformation {
+  void operator()(OGRCoordinateTransformation* t) const { OGRCoordinateTransformation::DestroyCT(t); }
+};
+using Transformation = std::unique_ptr<OGRCoordinateTransformation, CloseTransformation>;
+
+// GDAL reports by return values here; its own lines on stderr would say everything twice.
+class Quiet {
+ public:
+  Quiet() { CPLPushErrorHandler(CPLQuietErrorHandler); }
+  ~Quiet() { CPLPopErrorHandler(); }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+};
+
+Error at_file(const std::string& path, ErrorCode code, std::string message) {
+  return Error{code, std::move(message), path};
+}
+
+bool ends_with(std::string text, const std::string& end) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+Dataset open_raster(const std::string& name) {
+  return Dataset(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+}
+
+// The dataset of a file, or of the first raster inside a .zip.
+Dataset open_any(const std::string& path) {
+  if (!ends_with(path, ".zip")) return open_raster(path);
+  const std::string archive = "/vsizip/" + path;
+  char** members = VSIReadDirRecursive(archive.c_str());
+  Dataset found;
+  for (int i = 0; members != nullptr && members[i] != nullptr && !found; ++i) {
+    found = open_raster(archive + "/" + members[i]);
+  }
+  CSLDestroy(members);
+  return found;
+}
+
+double unit_m(const std::string& unit) {
+  if (unit == "ft" || unit == "foot" || unit == "feet") return kFoot_m;
+  if (unit == "US survey foot" || unit == "us-ft" || unit == "ftUS") return kSurveyFoot_m;
+  return 1;
+}
+
+// Reads the band upside down, so that rows go north, marking what is no height.
+bool read_posts(GDALRasterBand& band, Grid& grid, std::vector<std::uint8_t>& known) {
+  const int columns = grid.columns, rows = grid.rows;
+  grid.values.resize(static_cast<std::size_t>(columns) * rows);
+  known.assign(grid.values.size(), 1);
+  int has_no_data = 0;
+  const double no_data = band.GetNoDataValue(&has_no_data);
+  const double scale = band.GetScale() * unit_m(band.GetUnitType());
+  const double offset = band.GetOffset() * unit_m(band.GetUnitType());
+  std::vector<double> line(static_cast<std::size_t>(columns));
+  for (int row = 0; row < rows; ++row) {
+    if (band.RasterIO(GF_Read, 0, row, columns, 1, line.data(), columns, 1, GDT_Float64, 0, 0, nullptr) != CE_None) {
+      return false;
+    }
+    for (int column = 0; column < columns; ++column) {
+      const double raw = line[static_cast<std::size_t>(column)];
+      const std::size_t i = static_cast<std::size_t>(rows - 1 - row) * columns + column;
+      const bool is_void = !std::isfinite(raw) || raw == -32768 || (has_no_data != 0 && raw == no_data);
+      known[i] = !is_void;
+      grid.values[i] = is_void ? 0.0f : static_cast<float>(raw * scale + offset);
+    }
+  }
+  return true;
+}
+
+std::string in_degrees(const Extent& e) {
+  char text[160];
+  std::snprintf(text, sizeof text, "x %.6f to %.6f, y %.6f to %.6f", e.low.x, e.high.x, e.low.y, e.high.y);
+  return text;
+}
+
+}  // namespace
+
+struct Elevation::Impl {
+  std::string path;
+  Grid grid;
+  std::size_t voids = 0;
+  bool geographic = false;
+  double metres_per_unit = 1;
+  Transformation from_geographic;  // (longitude, latitude) to the file's coordinates; none where they are the same
+  Extent extent;
+  mutable std::mutex mutex;  // a transformation of PROJ serves one thread at a time
+
+  glm::dvec2 own(glm::dvec2 place) const {
+    if (!from_geographic) return place;
+    const std::lock_guard<std::mutex> lock(mutex);
+    const Quiet quiet;
+    double x = place.x, y = place.y;
+    // What cannot be projected is far outside.
+    if (!from_geographic->Transform(1, &x, &y)) return {HUGE_VAL, HUGE_VAL};
+    return {x, y};
+  }
+
+  Extent own_extent() const {
+    return {grid.origin_m, grid.origin_m + grid.step_m * glm::dvec2(grid.columns - 1, grid.rows - 1)};
+  }
+
+  std::optional<Error> reference(GDALDataset& dataset, Diagnostics* diagnostics);
+};
+
+// Finds out what the file's coordinates mean.
+std::optional<Error> Elevation::Impl::reference(GDALDataset& dataset, Diagnostics* diagnostics) {
+  extent = own_extent();
+  const OGRSpatialReference* found = dataset.GetSpatialRef();
+  if (found == nullptr || found->IsLocal()) {
+    const Extent& e = extent;
+    geographic = e.low.x >= -181 && e.high.x <= 181 && e.low.y >= -91 && e.high.y <= 91 && grid.step_m.x < 0.1;
+    if (geographic && diagnostics != nullptr) {
+      diagnostics->push_back({Severity::kWarning,
+                              "no coordinate system in the file: taken for WGS84 longitude and latitude in degrees (" +
+                                  in_degrees(e) + ")",
+                              path});
+    }
+  } else {
+    geographic = true;
+    OGRSpatialReference native(*found), wgs84;
+    native.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    wgs84.SetWellKnownGeogCS("WGS84");
+    wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    if (!native.IsGeographic()) {
+      from_geographic.reset(OGRCreateCoordinateTransformation(&wgs84, &native));
+      const Transformation to_geographic(OGRCreateCoordinateTransformation(&native, &wgs84));
+      if (!from_geographic || !to_geographic) {
+        return at_file(path, ErrorCode::kData, "the coordinate system cannot be related to WGS84");
+      }
+      metres_per_unit = native.GetLinearUnits();
+      const Extent e = own_extent();
+      double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+      if (!to_geographic->TransformBounds(e.low.x, e.low.y, e.high.x, e.high.y, &x0, &y0, &x1, &y1, 21)) {
+        return at_file(path, ErrorCode::kData, "the extent cannot be expressed in WGS84 degrees");
+      }
+      extent = {{x0, y0}, {x1, y1}};
+      return std::nullopt;
+    }
+  }
+  if (geographic) metres_per_unit = kMetresPerDegree;
+  return std::nullopt;
+}
+
+Elevation::Elevation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Elevation::~Elevation() = default;
+Elevation::Elevation(Elevation&&) noexcept = default;
+Elevation& Elevation::operator=(Elevation&&) noexcept = default;
+
+Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnostics) {
+  static std::once_flag registered;
+  std::call_once(registered, [] { GDALAllRegister(); });
+  const Quiet quiet;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return at_file(path, ErrorCode::kIo, "no such elevation file");
+  const Dataset dataset = open_any(path);
+  if (!dataset || dataset->GetRasterCount() < 1) {
+    return at_file(path, ErrorCode::kParse, "not an elevation raster that can be read: " +
+                                                std::string(CPLGetLastErrorMsg()));
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  Grid& grid = impl->grid;
+  grid.columns = dataset->GetRasterXSize();
+  grid.rows = dataset->GetRasterYSize();
+  std::array<double, 6> t{};
+  if (dataset->GetGeoTransform(t.data()) != CE_None) {
+    return at_file(path, ErrorCode::kData, "the raster does not say where it lies (no geotransform)");
+  }
+  if (t[2] != 0 || t[4] != 0 || !(t[1] > 0) || !(t[5] < 0)) {
+    return at_file(path, ErrorCode::kData, "the raster is rotated or mirrored; warp it to north-up first");
+  }
+  if (grid.columns < 2 || grid.rows < 2 || std::int64_t{grid.columns} * grid.rows > kMostPosts) {
+    return at_file(path, ErrorCode::kData, "the raster has " + std::to_string(grid.columns) + " x " +
+                                               std::to_string(grid.rows) + " posts; 2 x 2 to 2^28 posts are handled");
+  }
+  // GDAL's geotransform is of pixel corners, heights are of pixel centres.
+  grid.step_m = {t[1], -t[5]};
+  grid.origin_m = {t[0] + 0.5 * t[1], t[3] + (grid.rows - 0.5) * t[5]};
+  if (auto error = impl->reference(*dataset, diagnostics)) return *error;
+
+  std::vector<std::uint8_t> known;
+  if (!read_posts(*dataset->GetRasterBand(1), grid, known)) {
+    return at_file(path, ErrorCode::kIo, "reading the heights failed: " + std::string(CPLGetLastErrorMsg()));
+  }
+  if (std::count(known.begin(), known.end(), std::uint8_t{1}) == 0) {
+    return at_file(path, ErrorCode::kData, "the raster holds no heights, only voids");
+  }
+  impl->voids = fill_holes(grid, known);
+  if (impl->voids > 0 && diagnostics != nullptr) {
+    diagnostics->push_back({Severity::kInfo, std::to_string(impl->voids) + " voids filled from their surroundings",
+                            path});
+  }
+  return Elevation(std::move(impl));
+}
+
+bool Elevation::is_geographic() const { return impl_->geographic; }
+
+double Elevation::height_m(glm::dvec2 place, Interpolation interpolation) const {
+  const glm::dvec2 own = impl_->own(place);
+  return interpolation == Interpolation::kBilinear ? sample_bilinear(impl_->grid, own)
+                                                   : sample_bicubic(impl_->grid, own);
+}
+
+bool Elevation::covers(glm::dvec2 place) const {
+  // A post's width of rounding would be too much to forgive, a thousandth is not.
+  const glm::dvec2 slack = 1e-3 * impl_->grid.step_m;
+  Extent e = impl_->own_extent();
+  e.low -= slack;
+  e.high += slack;
+  return e.contains(impl_->own(place));
+}
+
+Extent Elevation::extent() const { return impl_->extent; }
+
+double Elevation::post_spacing_m() const {
+  double x = impl_->grid.step_m.x * impl_->metres_per_unit;
+  const double y = impl_->grid.step_m.y * impl_->metres_per_unit;
+  if (impl_->geographic && !impl_->from_geographic) {
+    const double middle = 0.5 * (impl_->extent.low.y + impl_->extent.high.y) * std::numbers::pi / 180;
+    x *= std::max(std::cos(middle), 0.01);
+  }
+  return std::min(x, y);
+}
+
+const std::string& Elevation::path() const { return impl_->path; }
+std::size_t Elevation::voids_filled() const { return impl_->voids; }
+const Grid& Elevation::posts() const { return impl_->grid; }
+
+Status write_geotiff(const Grid& heights, const std::string& path) {
+  GDALAllRegister();
+  const Quiet quiet;
+  const std::string part = path + ".part";
+  const auto fail = [&](const std::string& what) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    return at_file(path, ErrorCode::kIo, what + ": " + CPLGetLastErrorMsg());
+  };
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  if (driver == nullptr) return fail("GDAL has no GeoTIFF driver");
+  char** options = CSLSetNameValue(nullptr, "COMPRESS", "DEFLATE");
+  options = CSLSetNameValue(options, "PREDICTOR", "3");
+  Dataset dataset(driver->Create(part.c_str(), heights.columns, heights.rows, 1, GDT_Float32, options));
+  CSLDestroy(options);
+  if (!dataset) return fail("the file cannot be written");
+  const glm::dvec2 step = heights.step_m;
+  double t[6] = {heights.origin_m.x - 0.5 * step.x, step.x, 0,
+                 heights.origin_m.y + (heights.rows - 0.5) * step.y, 0, -step.y};
+  OGRSpatialReference wgs84;
+  wgs84.SetWellKnownGeogCS("WGS84");
+  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  bool good = dataset->SetGeoTransform(t) == CE_None && dataset->SetSpatialRef(&wgs84) == CE_None;
+  GDALRasterBand* band = dataset->GetRasterBand(1);
+  band->SetUnitType("m");
+  for (int row = 0; row < heights.rows && good; ++row) {
+    auto* line = const_cast<float*>(&heights.values[static_cast<std::size_t>(heights.rows - 1 - row) * heights.columns]);
+    good = band->RasterIO(GF_Write, 0, row, heights.columns, 1, line, heights.columns, 1, GDT_Float32, 0, 0,
+                          nullptr) == CE_None;
+  }
+  CPLErrorReset();
+  dataset.reset();  // flushes; a full disk shows here
+  good = good && CPLGetLastErrorType() < CE_Failure;
+  if (!good) return fail("writing the heights failed");
+  std::error_code error;
+  std::filesystem::rename(part, path, error);
+  if (error) return fail("the file cannot be put in place");
+  return Done{};
+}
+
+}  // namespace roadgen

@@ -1,0 +1,70 @@
+// Measured elevation: a digital elevation model read from a file, with its voids filled, and its heights by latitude
+// and longitude or by its own plane coordinates.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <glm/vec2.hpp>
+
+#include "roadgen/road/result.h"
+#include "terrain/grid.h"
+
+namespace roadgen {
+
+enum class Interpolation { kBilinear, kBicubic };
+
+// Low and high corner; (longitude, latitude) in degrees, or (x, y) in metres for a model without an Earth reference.
+struct Extent {
+  glm::dvec2 low{0, 0}, high{0, 0};
+  bool contains(glm::dvec2 p) const { return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y; }
+};
+
+// Immutable after open(); any number of threads may sample.
+class Elevation {
+ public:
+  // Reads the first band of any raster that GDAL reads: GeoTIFF, ESRI ASCII grid, SRTM .hgt, and the same inside a .zip
+  // (the first member that is a raster). Heights in feet become metres by the band's unit; scale and offset are
+  // applied. Voids (the file's no-data value, -32768, not finite) are filled from around them, see fill_holes.
+  // A file without a coordinate system whose extent fits into [-180, 180] x [-90, 90] is taken for WGS84 longitude and
+  // latitude, with a diagnostic; any other is taken for a plane in metres.
+  // Errors: not readable; rotated raster; nothing but voids; fewer than 2 x 2 posts; more than 2^28 posts.
+  static Result<Elevation> open(const std::string& path, Diagnostics* diagnostics = nullptr);
+
+  ~Elevation();
+  Elevation(Elevation&&) noexcept;
+  Elevation& operator=(Elevation&&) noexcept;
+
+  // True where the model has a place on the Earth, so that it is sampled by longitude and latitude.
+  bool is_geographic() const;
+
+  // Height in metres at (longitude, latitude) in degrees where is_geographic(), else at (x, y) in metres. Outside the
+  // model that of the nearest place of its border. Default: bicubic. Cost: O(1); a model in a projection pays for one
+  // transformation by PROJ, one thread at a time.
+  double height_m(glm::dvec2 place, Interpolation interpolation = Interpolation::kBicubic) const;
+
+  // False beyond the outermost posts.
+  bool covers(glm::dvec2 place) const;
+
+  // The places of the outermost posts; for a model in a projection, the box around them.
+  Extent extent() const;
+
+  // Distance of neighbouring posts in metres (the smaller of the two directions).
+  double post_spacing_m() const;
+
+  const std::string& path() const;
+  std::size_t voids_filled() const;
+  // The posts as read and filled, in the file's own coordinates, first row southernmost.
+  const Grid& posts() const;
+
+ private:
+  struct Impl;
+  explicit Elevation(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// Writes heights on a longitude/latitude grid (degrees, WGS84) as a GeoTIFF of 32-bit floats, whole or not at all.
+// Errors: not writable.
+Status write_geotiff(const Grid& heights, const std::string& path);
+
+}  // namespace roadgen

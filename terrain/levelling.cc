@@ -1,0 +1,199 @@
+#include "terrain/levelling.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace roadgen {
+namespace {
+
+constexpr double kSampleStep_m = 5;     // of the road samples that are blended
+constexpr double kRounding_m = 3;       // of the profile where it leaves the shoulder
+constexpr double kBlendWidth_m = 4;     // from the nearest road's own height to the blended one
+constexpr double kNearestWeight_m = 0.5;  // nearer than this all samples weigh the same
+constexpr double kPerpendicular = 1e-7;   // of L: what counts as a perpendicular foot
+
+// How far the ground may rise or fall at distance d outside the shoulder: parabola, then slope, then without limit.
+double allowance_m(double d, double slope, double reach_m) {
+  const double q = d / reach_m;
+  return slope * d * d / (d + kRounding_m) / (1 - q * q);
+}
+
+double smooth(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+// Distance from the carriageway where the road really passes the point, so that the foot is perpendicular or at an
+// open end; negative where it does not (then a neighbouring segment is nearer).
+double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, glm::dvec2 point_m, double& z_m) {
+  const Nearest foot = nearest(segment, point_m);
+  const double a = segment.slope_start, b = segment.slope_end;
+  const glm::dvec2 p = to_chord(segment, point_m);
+  const double df = Lib::road_df(foot.u, a, b), dx = p.x - foot.u, dy = p.y - Lib::road_f(foot.u, a, b);
+  const double along = dx + dy * df;
+  const double local = arc_at(segment, foot.u), half_width = segment.half_width_m.value(local);
+  z_m = segment.elevation_m.value(local);
+  if (std::abs(along) <= kPerpendicular) return std::max(foot.distance_m - half_width, 0.0);
+  const bool end = !road.closed && ((foot.u <= 0 && at.segment == 0) ||
+                                    (foot.u >= 1 && at.segment + 1 == road.segments.size()));
+  if (!end) return -1;
+  const double scale = segment.chord_length_m() / std::sqrt(1 + df * df);
+  return std::hypot(along * scale, std::max(std::abs(dy - dx * df) * scale - half_width, 0.0));
+}
+
+}  // namespace
+
+Grid distance_from_roads(const Network& network, const Grid& like) {
+  Grid distance = like;
+  std::fill(distance.values.begin(), distance.values.end(), 1e30f);
+  // The nearest road sample is handed from post to post, in two sweeps (vector distance transform, Danielsson 1980).
+  std::vector<glm::dvec2> nearest_sample(like.values.size(), glm::dvec2(1e30, 1e30));
+  const auto offer = [&](int column, int row, glm::dvec2 sample) {
+    const double d = glm::length(sample - (like.origin_m + like.step_m * glm::dvec2(column, row)));
+    float& held = distance.at(column, row);
+    if (d < held) {
+      held = static_cast<float>(d);
+      nearest_sample[static_cast<std::size_t>(row) * like.columns + column] = sample;
+    }
+  };
+  const double step = 0.5 * std::min(like.step_m.x, like.step_m.y);
+  for (const Road& road : network.roads) {
+    for (const Segment& segment : road.segments) {
+      const int pieces = std::max(1, static_cast<int>(std::ceil(segment.arc_m / step)));
+      for (int i = 0; i <= pieces; ++i) {
+        const glm::dvec2 p = position_m(segment, static_cast<double>(i) / pieces);
+        const glm::dvec2 cell = glm::round((p - like.origin_m) / like.step_m);
+        offer(std::clamp(static_cast<int>(cell.x), 0, like.columns - 1),
+              std::clamp(static_cast<int>(cell.y), 0, like.rows - 1), p);
+      }
+    }
+  }
+  const auto take = [&](int column, int row, int dx, int dy) {
+    const int x = column + dx, y = row + dy;
+    if (x < 0 || x >= like.columns || y < 0 || y >= like.rows) return;
+    const glm::dvec2 sample = nearest_sample[static_cast<std::size_t>(y) * like.columns + x];
+    if (sample.x < 1e29) offer(column, row, sample);
+  };
+  for (int row = 0; row < like.rows; ++row) {
+    for (int column = 0; column < like.columns; ++column) {
+      for (const int dx : {-1, 0, 1}) take(column, row, dx, -1);
+      take(column, row, -1, 0);
+    }
+    for (int column = like.columns - 1; column >= 0; --column) take(column, row, 1, 0);
+  }
+  for (int row = like.rows - 1; row >= 0; --row) {
+    for (int column = like.columns - 1; column >= 0; --column) {
+      for (const int dx : {-1, 0, 1}) take(column, row, dx, 1);
+      take(column, row, 1, 0);
+    }
+    for (int column = 0; column < like.columns; ++column) take(column, row, -1, 0);
+  }
+  return distance;
+}
+
+Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options)
+    : index_(index), natural_(natural), options_(options), distance_(distance_from_roads(index.network(), natural)) {
+  std::vector<Sample> all;
+  for (const Road& road : index.network().roads) {
+    for (const Segment& segment : road.segments) {
+      widest_m_ = std::max(widest_m_, segment.max_half_width_m());
+      const int pieces = std::max(1, static_cast<int>(std::ceil(segment.arc_m / kSampleStep_m)));
+      for (int i = 0; i < pieces; ++i) {
+        const double u = (i + 0.5) / pieces, local = arc_at(segment, u);
+        all.push_back({position_m(segment, u), segment.elevation_m.value(local) - options.gap_m,
+                       segment.half_width_m.value(local)});
+      }
+    }
+  }
+  slack_m_ = 2 * glm::length(natural.step_m);
+  // Buckets as wide as the blending reaches, so that the nine around a point hold every sample of weight.
+  bucket_m_ = options_.reach_m + options_.shoulder_m + widest_m_ + 2 * kSampleStep_m;
+  Bounds box;
+  for (const Sample& s : all) box.add(glm::dvec3(s.position_m, 0));
+  bucket_origin_m_ = glm::dvec2(box.low_m) - 1.5 * bucket_m_;
+  const glm::dvec2 size = glm::dvec2(box.high_m) - bucket_origin_m_;
+  bucket_columns_ = static_cast<int>(size.x / bucket_m_) + 3;
+  bucket_rows_ = static_cast<int>(size.y / bucket_m_) + 3;
+  first_.assign(static_cast<std::size_t>(bucket_columns_) * bucket_rows_ + 1, 0);
+  for (const Sample& s : all) ++first_[bucket(s.position_m, 0, 0) + 1];
+  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  samples_.resize(all.size());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (const Sample& s : all) samples_[next[bucket(s.position_m, 0, 0)]++] = s;
+}
+
+std::size_t Levelling::bucket(glm::dvec2 point_m, int dx, int dy) const {
+  const glm::dvec2 cell = glm::floor((point_m - bucket_origin_m_) / bucket_m_);
+  const int column = std::clamp(static_cast<int>(cell.x) + dx, 0, bucket_columns_ - 1);
+  const int row = std::clamp(static_cast<int>(cell.y) + dy, 0, bucket_rows_ - 1);
+  return static_cast<std::size_t>(row) * bucket_columns_ + column;
+}
+
+double Levelling::far_distance_m(glm::dvec2 point_m) const {
+  return std::max(sample_bilinear(distance_, point_m) - slack_m_ - widest_m_, 0.0);
+}
+
+Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) const {
+  Wish wish{limit_m, 0};
+  double nearest_z = 0, lowest = 1e300;
+  index_.visit_within(point_m, limit_m, [&](SegmentRef ref, const Segment& segment) {
+    double z = 0;
+    const double edge = passing_edge_m(index_.network().roads[ref.road], ref, segment, point_m, z);
+    if (edge < 0 || edge >= limit_m) return;
+    if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
+    if (edge < wish.edge_m) {
+      wish.edge_m = edge;
+      nearest_z = z;
+    }
+  });
+  wish.lowest_m = lowest < 1e300 ? lowest : nearest_z;
+  return wish;
+}
+
+double Levelling::edge_distance_m(glm::dvec2 point_m, double limit_m) const {
+  const double far = far_distance_m(point_m);
+  return far >= limit_m ? far : nearest_roads(point_m, limit_m).edge_m;
+}
+
+// Height of the roads around, weighted by ((R - d) / (R d))^2: samples of one leg add up to a weight of 1/d, so between
+// two legs the ground is a ramp.
+double Levelling::blended_m(glm::dvec2 point_m) const {
+  const double reach = options_.reach_m + 2 * kSampleStep_m;
+  double sum = 0, weight = 0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    const std::size_t row = bucket(point_m, -1, dy), end = bucket(point_m, 1, dy);
+    for (std::uint32_t i = first_[row]; i < first_[end + 1]; ++i) {
+      const Sample& s = samples_[i];
+      const double d = std::max(glm::length(s.position_m - point_m) - s.half_width_m - options_.shoulder_m,
+                                kNearestWeight_m);
+      if (d >= reach) continue;
+      const double w = (reach - d) / (reach * d);
+      sum += w * w * s.z_m;
+      weight += w * w;
+    }
+  }
+  return weight > 0 ? sum / weight : 1e300;
+}
+
+double Levelling::height_m(glm::dvec2 point_m) const {
+  const double natural = sample_bicubic(natural_, point_m);
+  const double reach = options_.reach_m, limit = reach + options_.shoulder_m;
+  if (far_distance_m(point_m) >= limit) return natural;
+  const Wish wish = nearest_roads(point_m, limit);
+  if (wish.edge_m >= limit) return natural;
+  const double own = wish.lowest_m - options_.gap_m, d = wish.edge_m - options_.shoulder_m;
+  if (d <= 0) return own;
+  const double blended = blended_m(point_m);
+  const double level = blended < 1e300 ? glm::mix(own, blended, smooth(d / kBlendWidth_m)) : own;
+  // The natural ground where it is within the allowance, else the allowance, with a rounded crest and toe:
+  // q / (1 + q^4)^(1/4) is q for small q and goes to 1.
+  const double allowance =
+      allowance_m(d, natural > level ? options_.cut_slope : options_.fill_slope, reach);
+  const double q = (natural - level) / allowance, q2 = q * q;
+  return q2 > 1e12 ? level + std::copysign(allowance, q) : level + allowance * q / std::sqrt(std::sqrt(1 + q2 * q2));
+}
+
+}  // namespace roadgen

@@ -1,0 +1,116 @@
+// The terrain of a road network: natural ground levelled along the roads, as a mesh without cracks that lies below
+// every carriageway, and the height of that very mesh for contact queries.
+//
+//   auto dem = Elevation::open("dem.tif");
+//   auto terrain = Terrain::build(network, &*dem, {});
+//   for (const TerrainMesh& tile : terrain->tiles()) draw(tile);
+//   double z = terrain->height_m({x, y});
+//
+// Source: Loviscach 2005, section 4 and figure 6.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "roadgen/road/network.h"
+#include "roadgen/road/result.h"
+#include "terrain/elevation.h"
+#include "terrain/levelling.h"
+#include "terrain/natural.h"
+
+namespace roadgen {
+
+struct TerrainOptions {
+  // How far the terrain reaches beyond the roads' bounds; less where the elevation ends before. > 0. Default: 1.5 km
+  double margin_m = 1500;
+  // Distance of the mesh's posts under the carriageways; rounded down to a multiple of 1/64 m so that tiles fit.
+  // [0.25, 16]. Default: 2 m
+  double spacing_m = 2;
+  LevellingOptions levelling;  // shoulder_m is raised to 1.5 spacing_m where it is less: the claim below rests on it
+  // What the mesh may deviate from the levelled ground: tolerance_m at the roads, and tolerance_per_m more for every
+  // metre away from them. > 0. Default: 0.12 m and 3 mm per metre, about 3 pixels at 60 degrees and 1080 lines
+  double tolerance_m = 0.12;
+  double tolerance_per_m = 0.003;
+  // The tolerances are raised until the mesh has no more triangles; the corridor along the roads is never coarsened.
+  std::size_t max_triangles = 400000;
+  double rolling_m = 40;  // height of the hills away from the roads where there is no elevation. >= 0
+  std::function<void(double fraction)> progress;  // called now and then with 0 to 1; may be empty
+};
+
+// A square tile of the mesh. Positions are floats relative to the origin and exact: x and y are multiples of 1/64 m,
+// z of 1/1024 m, so that neighbouring tiles meet without a gap.
+struct TerrainMesh {
+  glm::dvec3 origin_m{0, 0, 0};
+  std::vector<glm::vec3> positions_m;  // relative to origin_m
+  std::vector<glm::vec3> normals;      // unit, of the levelled ground itself, not of the triangles
+  std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise seen from above
+};
+
+struct TerrainReport {
+  // Of the carriageways above the mesh, everywhere sampled at most kClearanceStep_m apart. Least: at least
+  // kLeastClearance * gap_m. Greatest: large only where a road passes over another.
+  double clearance_min_m = 0, clearance_max_m = 0;
+  std::size_t clearance_samples = 0;
+  std::size_t vertices_lowered = 0;  // by the correction pass, and how far at most
+  double lowered_max_m = 0;
+  double deepest_cut_m = 0, highest_fill_m = 0;  // of the carriageways against the natural ground, along the centre
+  std::size_t voids_filled = 0;
+  std::size_t triangles = 0, vertices = 0, tiles = 0;
+  double spacing_m = 0;              // as used
+  double tolerance_factor = 1;       // what max_triangles has raised the tolerances by
+  Rectangle area;                    // of the mesh
+  double seconds = 0;                // wall clock of the build
+};
+
+// The mesh is corrected where it comes nearer to the road than the first, as part of gap_m; what then holds everywhere,
+// between the samples too, is the second.
+inline constexpr double kCorrectedClearance = 0.75;
+inline constexpr double kLeastClearance = 0.5;
+inline constexpr double kClearanceStep_m = 0.4;
+
+// Immutable after build(): any number of threads may ask.
+class Terrain {
+ public:
+  // The terrain of a network; without elevation (nullptr) the roads' own heights make the ground.
+  // No terrain shows through any carriageway: at every point of it the mesh is at least kLeastClearance * gap_m lower.
+  // Errors: no roads; the elevation does not cover them (both extents in degrees); options out of range (kUsage).
+  // Cost: about 1 s per 100 000 triangles.
+  static Result<Terrain> build(const Network& network, const Elevation* elevation, const TerrainOptions& options = {});
+
+  ~Terrain();
+  Terrain(Terrain&&) noexcept;
+  Terrain& operator=(Terrain&&) noexcept;
+
+  const std::vector<TerrainMesh>& tiles() const;
+  const TerrainReport& report() const;
+
+  // Height of the mesh, as drawn; outside its area that of the nearest place of its border. Cost: O(log) , < 1 us.
+  double height_m(glm::dvec2 point_m) const;
+
+  // Unit normal of the triangle there.
+  glm::dvec3 normal(glm::dvec2 point_m) const;
+
+ private:
+  struct Impl;
+  explicit Terrain(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// The clearance of every carriageway above a ground, sampled at most step_m apart along and across.
+struct Clearance {
+  double min_m = 0, max_m = 0;
+  std::size_t samples = 0;
+};
+Clearance measure_clearance(const Network& network, double step_m,
+                            const std::function<double(glm::dvec2)>& ground_height_m);
+
+// The terrain's heights in the datum of the network, on a longitude/latitude grid with posts post_m apart, as GeoTIFF.
+// Errors: no georeference; more than 2^28 posts; not writable.
+Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path);
+
+}  // namespace roadgen
