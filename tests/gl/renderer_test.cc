@@ -14,6 +14,7 @@
 #include "roadgen/fit/catmull_rom.h"
 #include "roadgen/query/road_index.h"
 #include "roadgen/render/flight.h"
+#include "tests/gl/gl_fixture.h"
 
 namespace roadgen {
 namespace {
@@ -94,28 +95,25 @@ std::optional<Hit> cast(const Network& network, const Camera& camera, double px,
   return best;
 }
 
-class RendererTest : public testing::TestWithParam<bool> {
+class RendererTest : public test::GlTest, public testing::WithParamInterface<bool> {
  protected:
-  void SetUp() override {
-    auto context = Context::create({.kind = ContextKind::kOsmesa, .debug = true});
-    ASSERT_TRUE(context.ok()) << context.error().text();
-    context_ = std::move(*context);
-    auto renderer = Renderer::create(*context_);
-    ASSERT_TRUE(renderer.ok()) << renderer.error().text();
-    renderer_.emplace(std::move(*renderer));
-  }
+  void SetUp() override { renderer_.emplace(make_renderer(ContextKind::kOsmesa)); }
   void TearDown() override {
-    for (const std::string& message : context_->take_debug_messages()) ADD_FAILURE() << message;
     renderer_.reset();
+    GlTest::TearDown();
   }
-  Frame draw(const Network& network, const Camera& camera, unsigned channels = kAllChannels) {
-    EXPECT_TRUE(renderer_->load_roads(network).ok());
-    auto frame = renderer_->render(camera, {.width = kWidth, .height = kHeight, .channels = channels});
+  Renderer make_renderer(ContextKind kind) {
+    auto renderer = Renderer::create(*make_context(kind));
+    EXPECT_TRUE(renderer.ok()) << renderer.error().text();
+    return std::move(*renderer);
+  }
+  static Frame draw(Renderer& renderer, const Network& network, const Camera& camera, unsigned channels = kAllChannels) {
+    EXPECT_TRUE(renderer.load_roads(network).ok());
+    auto frame = renderer.render(camera, {.width = kWidth, .height = kHeight, .channels = channels});
     EXPECT_TRUE(frame.ok());
     return std::move(*frame);
   }
 
-  std::unique_ptr<Context> context_;
   std::optional<Renderer> renderer_;
 };
 
@@ -130,7 +128,7 @@ TEST_P(RendererTest, EveryPixelAgreesWithTheRayCastInDouble) {
     for (const double height : {1.2, 9.0, 60.0}) {
       Camera camera = drive_camera(network.roads[0], s, -1.6, height);
       camera.pitch_deg -= 4 + height / 3;
-      const Frame frame = draw(network, camera);
+      const Frame frame = draw(*renderer_, network, camera);
       for (int y = 0; y < kHeight; y += 3) {
         for (int x = 0; x < kWidth; x += 3) {
           const auto hit = cast(network, camera, x, y);
@@ -170,7 +168,7 @@ TEST_P(RendererTest, DepthUnprojectedLiesOnTheRoadThatTheQueryNames) {
   const RoadIndex index(network);
   Camera camera = drive_camera(network.roads[0], 120, -1.6, 1.3);
   camera.pitch_deg -= 6;
-  const Frame frame = draw(network, camera);
+  const Frame frame = draw(*renderer_, network, camera);
   std::size_t compared = 0;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -192,9 +190,9 @@ TEST_P(RendererTest, AWorldMovedByTenThousandKilometresLooksTheSame) {
   const glm::dvec3 far(4096.0 * 2441, -4096.0 * 2441, 0);
   const Network here = winding_network(GetParam(), {0, 0, 0}), there = winding_network(GetParam(), far);
   Camera camera = drive_camera(here.roads[0], 120, -1.6, 1.3);
-  const Frame a = draw(here, camera, kColor);
+  const Frame a = draw(*renderer_, here, camera, kColor);
   camera.position_m += far;
-  const Frame b = draw(there, camera, kColor);
+  const Frame b = draw(*renderer_, there, camera, kColor);
   int worst = 0;
   std::size_t different = 0;
   for (std::size_t i = 0; i < a.color.pixels.size(); ++i) {
@@ -220,10 +218,39 @@ TEST_F(RendererTest, BadRequestsAreUsageErrors) {
 TEST_F(RendererTest, AnEmptySceneIsSkyAndInfiniteDepth) {
   Camera camera;
   camera.pitch_deg = 20;
-  const Frame frame = draw(Network{}, camera);
+  const Frame frame = draw(*renderer_, Network{}, camera);
   EXPECT_TRUE(std::all_of(frame.depth_m.pixels.begin(), frame.depth_m.pixels.end(), [](float d) { return std::isinf(d); }));
   EXPECT_TRUE(std::all_of(frame.label.pixels.begin(), frame.label.pixels.end(), [](std::uint32_t l) { return l == 0; }));
   EXPECT_GT(frame.color.pixels[2], frame.color.pixels[0]);  // blue
+}
+
+TEST_F(RendererTest, EveryContextDrawsTheSameScene) {
+  const Network network = winding_network(true, {0, 0, 0});
+  Camera camera = drive_camera(network.roads[0], 120, -1.6, 1.3);
+  camera.pitch_deg -= 5;
+  const Frame reference = draw(*renderer_, network, camera);
+  for (const ContextKind kind : {ContextKind::kEgl, ContextKind::kWindow}) {
+    SCOPED_TRACE(context_kind_name(kind));
+    if (kind == ContextKind::kWindow && !test::ensure_display()) GTEST_SKIP() << "no display and no Xvfb";
+    Context* context = make_context(kind);
+    if (!context) return;
+    auto renderer = Renderer::create(*context);
+    ASSERT_TRUE(renderer.ok()) << renderer.error().text();
+    const Frame frame = draw(*renderer, network, camera);
+    const auto color = compare(reference.color, frame.color);
+    const auto depth = compare(reference.depth_m, frame.depth_m);
+    ASSERT_TRUE(color.ok() && depth.ok());
+    std::printf("%s, %s: color max %.0f/255, mean %.4f/255; depth max %.2e m\n", context_kind_name(kind),
+                context->renderer().c_str(), color->max, color->mean, depth->max);
+    if (context->is_software()) {
+      // One rasterizer behind three windows: the same arithmetic, but for the compiler's freedom.
+      EXPECT_LE(color->max, 2);
+      EXPECT_LE(depth->max, 1e-3);
+    } else {
+      // Another rasterizer may round a sample of an edge the other way.
+      EXPECT_LE(color->mean, 0.5);
+    }
+  }
 }
 
 }  // namespace
