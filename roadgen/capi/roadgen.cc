@@ -1,0 +1,181 @@
+#include "roadgen/capi/roadgen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "roadgen/import/opendrive.h"
+#include "roadgen/query/road_index.h"
+#include "roadgen/render/renderer.h"
+#include "terrain/terrain.h"
+
+struct roadgen_network {
+  roadgen::Network network;
+  roadgen::RoadIndex index{network};
+  explicit roadgen_network(roadgen::Network n) : network(std::move(n)) {}
+};
+
+struct roadgen_renderer {
+  std::unique_ptr<roadgen::Context> context;
+  std::optional<roadgen::Renderer> renderer;  // after the context: destroyed before it
+  roadgen::Camera camera;
+};
+
+namespace {
+
+using roadgen::Error;
+using roadgen::ErrorCode;
+
+thread_local std::string last_error;
+
+roadgen_status fail(roadgen_status status, std::string text) {
+  last_error = std::move(text);
+  return status;
+}
+
+roadgen_status fail(const Error& error) {
+  roadgen_status status = ROADGEN_DATA_ERROR;
+  if (error.code == ErrorCode::kUsage) status = ROADGEN_USAGE_ERROR;
+  if (error.code == ErrorCode::kContext || error.code == ErrorCode::kShader) status = ROADGEN_CONTEXT_ERROR;
+  return fail(status, error.text());
+}
+
+// Runs the body; what the libraries below might throw (memory, mostly) becomes a status.
+template <class Body>
+roadgen_status guarded(Body&& body) {
+  try {
+    return body();
+  } catch (const std::exception& exception) {
+    return fail(ROADGEN_DATA_ERROR, exception.what());
+  } catch (...) {
+    return fail(ROADGEN_DATA_ERROR, "unknown fault");
+  }
+}
+
+bool finite3(const double* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
+
+}  // namespace
+
+const char* roadgen_last_error(void) { return last_error.c_str(); }
+
+const char* roadgen_version(void) { return ROADGEN_VERSION; }
+
+roadgen_status roadgen_network_load(const char* path, roadgen_network** network) {
+  if (!network) return fail(ROADGEN_USAGE_ERROR, "network must not be NULL");
+  *network = nullptr;
+  if (!path) return fail(ROADGEN_USAGE_ERROR, "path must not be NULL");
+  return guarded([&] {
+    auto read = roadgen::read_opendrive(path);
+    if (!read) return fail(read.error());
+    *network = new roadgen_network(std::move(*read));
+    return ROADGEN_OK;
+  });
+}
+
+void roadgen_network_free(roadgen_network* network) { delete network; }
+
+size_t roadgen_road_count(const roadgen_network* network) { return network ? network->network.roads.size() : 0; }
+
+const char* roadgen_road_id(const roadgen_network* network, size_t index) {
+  return index < roadgen_road_count(network) ? network->network.roads[index].id.c_str() : nullptr;
+}
+
+double roadgen_road_length_m(const roadgen_network* network, size_t index) {
+  return index < roadgen_road_count(network) ? network->network.roads[index].length_m() : 0;
+}
+
+roadgen_status roadgen_to_road(const roadgen_network* network, size_t count, const double* xyz, double reach_m,
+                               roadgen_road_point* points) {
+  if (!network || (count > 0 && (!xyz || !points))) return fail(ROADGEN_USAGE_ERROR, "a pointer is NULL");
+  if (!(reach_m >= 0)) return fail(ROADGEN_USAGE_ERROR, "reach_m must be 0 or more");
+  return guarded([&] {
+    for (size_t i = 0; i < count; ++i) {
+      points[i] = {-1, 0, 0, 0, 0};
+      if (!finite3(xyz + 3 * i)) continue;
+      const auto found = network->index.to_road({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]}, reach_m);
+      if (found) points[i] = {found->at.road, found->s_m, found->t_m, found->height_m, found->outside_m};
+    }
+    return ROADGEN_OK;
+  });
+}
+
+roadgen_status roadgen_to_world(const roadgen_network* network, size_t count, const int64_t* road, const double* s_m,
+                                const double* t_m, roadgen_pose* poses) {
+  if (!network || (count > 0 && (!road || !s_m || !t_m || !poses))) {
+    return fail(ROADGEN_USAGE_ERROR, "a pointer is NULL");
+  }
+  return guarded([&] {
+    for (size_t i = 0; i < count; ++i) {
+      if (road[i] < 0 || static_cast<size_t>(road[i]) >= network->network.roads.size()) {
+        return fail(ROADGEN_USAGE_ERROR, "there is no road of index " + std::to_string(road[i]));
+      }
+      if (!std::isfinite(s_m[i]) || !std::isfinite(t_m[i])) {
+        return fail(ROADGEN_USAGE_ERROR, "s and t must be finite numbers");
+      }
+      const auto pose = roadgen::pose_at(network->network.roads[static_cast<size_t>(road[i])], s_m[i], t_m[i]);
+      poses[i] = {{pose.position_m.x, pose.position_m.y, pose.position_m.z},
+                  pose.heading_rad, pose.pitch_rad, pose.roll_rad, pose.curvature_per_m};
+    }
+    return ROADGEN_OK;
+  });
+}
+
+roadgen_status roadgen_renderer_create(const roadgen_network* network, const char* dem_path, roadgen_context context,
+                                       roadgen_renderer** renderer) {
+  if (!network || !renderer) return fail(ROADGEN_USAGE_ERROR, "a pointer is NULL");
+  *renderer = nullptr;
+  if (context < ROADGEN_CONTEXT_OSMESA || context > ROADGEN_CONTEXT_WINDOW) {
+    return fail(ROADGEN_USAGE_ERROR, "there is no such kind of context");
+  }
+  return guarded([&] {
+    std::optional<roadgen::Elevation> elevation;
+    if (dem_path) {
+      auto opened = roadgen::Elevation::open(dem_path);
+      if (!opened) return fail(opened.error());
+      elevation.emplace(std::move(*opened));
+    }
+    auto terrain = roadgen::Terrain::build(network->network, elevation ? &*elevation : nullptr);
+    if (!terrain) return fail(terrain.error());
+
+    auto made = std::make_unique<roadgen_renderer>();
+    const auto kind = static_cast<roadgen::ContextKind>(context);
+    auto opened = roadgen::Context::create({.kind = kind, .visible = false});
+    if (!opened) return fail(opened.error());
+    made->context = std::move(*opened);
+    auto drawn_by = roadgen::Renderer::create(*made->context);
+    if (!drawn_by) return fail(drawn_by.error());
+    made->renderer.emplace(std::move(*drawn_by));
+    if (auto s = made->renderer->load_roads(network->network); !s) return fail(s.error());
+    if (auto s = made->renderer->load_ground(terrain->tiles()); !s) return fail(s.error());
+    *renderer = made.release();
+    return ROADGEN_OK;
+  });
+}
+
+void roadgen_renderer_free(roadgen_renderer* renderer) { delete renderer; }
+
+roadgen_status roadgen_set_camera(roadgen_renderer* renderer, const roadgen_camera* camera) {
+  if (!renderer || !camera) return fail(ROADGEN_USAGE_ERROR, "a pointer is NULL");
+  renderer->camera.position_m = {camera->position_m[0], camera->position_m[1], camera->position_m[2]};
+  renderer->camera.yaw_deg = camera->yaw_deg;
+  renderer->camera.pitch_deg = camera->pitch_deg;
+  renderer->camera.roll_deg = camera->roll_deg;
+  renderer->camera.fov_deg = camera->fov_deg;
+  return ROADGEN_OK;
+}
+
+roadgen_status roadgen_render(roadgen_renderer* renderer, int width, int height, uint8_t* color, float* depth_m) {
+  if (!renderer) return fail(ROADGEN_USAGE_ERROR, "renderer must not be NULL");
+  return guarded([&] {
+    const unsigned channels = (color ? roadgen::kColor : 0u) | (depth_m ? roadgen::kDepth : 0u);
+    auto frame = renderer->renderer->render(renderer->camera, {.width = width, .height = height, .channels = channels});
+    if (!frame) return fail(frame.error());
+    std::copy(frame->color.pixels.begin(), frame->color.pixels.end(), color);
+    std::copy(frame->depth_m.pixels.begin(), frame->depth_m.pixels.end(), depth_m);
+    return ROADGEN_OK;
+  });
+}

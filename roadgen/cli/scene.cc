@@ -1,0 +1,90 @@
+#include "roadgen/cli/scene.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "roadgen/cli/progress.h"
+#include "roadgen/import/opendrive.h"
+#include "terrain/terrain.h"
+
+namespace roadgen::cli {
+
+Result<Scene> open_scene(const SceneOptions& options) {
+  Scene scene;
+  const auto kind = context_kind_from_name(options.context);
+  if (!kind) return kind.error();
+  auto network = read_opendrive(options.network_path);
+  if (!network) return network.error();
+  scene.network = std::move(*network);
+
+  Diagnostics diagnostics;
+  std::optional<Elevation> elevation;
+  if (!options.dem_path.empty()) {
+    auto opened = Elevation::open(options.dem_path, &diagnostics);
+    if (!opened) return opened.error();
+    elevation.emplace(std::move(*opened));
+  }
+  for (const Diagnostic& d : diagnostics) std::fprintf(stderr, "%s\n", d.text().c_str());
+  Progress progress("terrain");
+  TerrainOptions terrain_options;
+  terrain_options.progress = [&](double fraction) { progress.show(fraction); };
+  auto terrain = Terrain::build(scene.network, elevation ? &*elevation : nullptr, terrain_options);
+  progress.done();
+  if (!terrain) return terrain.error();
+  const TerrainReport& report = terrain->report();
+  std::fprintf(stderr, "terrain: %zu triangles, clearance under the roads %.3f to %.3f m, %zu voids filled, %.1f s\n",
+               report.triangles, report.clearance_min_m, report.clearance_max_m, report.voids_filled, report.seconds);
+
+  auto context = Context::create({.kind = *kind,
+                                  .egl_device = options.egl_device,
+                                  .width = options.width,
+                                  .height = options.height,
+                                  .visible = options.visible});
+  if (!context) return context.error();
+  scene.context = std::move(*context);
+  auto renderer = Renderer::create(*scene.context);
+  if (!renderer) return renderer.error();
+  scene.renderer.emplace(std::move(*renderer));
+  if (Status s = scene.renderer->load_roads(scene.network); !s) return s.error();
+  if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
+  return scene;
+}
+
+Result<PictureSize> parse_size(const std::string& text) {
+  PictureSize size{0, 0};
+  const char* const end = text.data() + text.size();
+  const auto [x, width_fault] = std::from_chars(text.data(), end, size.width);
+  if (width_fault == std::errc() && x != end && *x == 'x') {
+    const auto [rest, height_fault] = std::from_chars(x + 1, end, size.height);
+    if (height_fault == std::errc() && rest == end && size.width > 0 && size.height > 0) return size;
+  }
+  return Error{ErrorCode::kUsage, "--size '" + text + "': expected WIDTHxHEIGHT in pixels, such as 1280x720"};
+}
+
+Result<std::vector<double>> parse_numbers(const std::string& text, std::size_t count, const std::string& what) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (numbers.size() < count) {
+    double x = 0;
+    const auto [rest, fault] = std::from_chars(at, end, x);
+    if (fault != std::errc() || !std::isfinite(x)) break;
+    numbers.push_back(x);
+    at = rest;
+    if (numbers.size() < count && (at == end || *at++ != ',')) break;
+  }
+  if (numbers.size() == count && at == end) return numbers;
+  return Error{ErrorCode::kUsage,
+               what + " '" + text + "': expected " + std::to_string(count) + " numbers with commas between"};
+}
+
+Result<const Road*> named_road(const Network& network, const std::string& id) {
+  if (const Road* road = network.find_road(id)) return road;
+  std::string known;
+  for (std::size_t i = 0; i < network.roads.size() && i < 5; ++i) known += (i ? ", " : "") + network.roads[i].id;
+  if (network.roads.size() > 5) known += ", ...";
+  return Error{ErrorCode::kUsage, "there is no road '" + id + "' in the network; its roads are: " + known};
+}
+
+}  // namespace roadgen::cli

@@ -1,0 +1,43 @@
+// A network file as something to draw: what `render` and `fly` share.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "roadgen/render/context.h"
+#include "roadgen/render/renderer.h"
+#include "roadgen/road/network.h"
+
+namespace roadgen::cli {
+
+struct SceneOptions {
+  std::string network_path;
+  std::string dem_path;         // empty: ground from the roads' own heights
+  std::string context = "osmesa";
+  int egl_device = -1;
+  int width = 1280, height = 720;
+  bool visible = false;         // of a window
+};
+
+struct Scene {
+  Network network;
+  std::unique_ptr<Context> context;
+  std::optional<Renderer> renderer;  // after the context: destroyed before it
+};
+
+// Reads the network, builds the terrain and opens the renderer; messages about both on stderr.
+// Errors: of any of the three.
+Result<Scene> open_scene(const SceneOptions& options);
+
+// "1280x720" to two positive integers. Errors: kUsage.
+struct PictureSize { int width, height; };
+Result<PictureSize> parse_size(const std::string& text);
+
+// Numbers between commas, exactly `count` of them, finite. what names the option in the message. Errors: kUsage.
+Result<std::vector<double>> parse_numbers(const std::string& text, std::size_t count, const std::string& what);
+
+// The road that the user names, or an Error that lists a few that there are.
+Result<const Road*> named_road(const Network& network, const std::string& id);
+
+}  // namespace roadgen::cli

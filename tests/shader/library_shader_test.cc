@@ -1,0 +1,140 @@
+// The library beside the road function (surface, markings, noise, sky, ground) on the GPU against the same text in
+// double.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "roadgen/road/segment.h"
+#include "tests/shader/harness.h"
+
+namespace roadgen::test {
+namespace {
+
+// clang-format off
+#define float Real
+SHADER_CASE(Height, 10, 3, RoadSurface r = RoadSurface(x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9]);
+                           y[0] = surface_arc(x[0], r); y[1] = surface_height(x[0], r); y[2] = surface_grade(x[0], r);)
+SHADER_CASE(Intersect, 15, 3,
+            RoadSurface r = RoadSurface(x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14]);
+            float start = surface_chord_plane(x[0], x[2], x[3], x[5], r);
+            RoadHit h = surface_intersect(x[0], x[1], x[2], x[3], x[4], x[5], start, float(-40.0), float(0.0), r);
+            y[0] = h.k; y[1] = h.u; y[2] = h.v * r.chord;)
+SHADER_CASE(Stripe, 4, 1, y[0] = marking_stripe(x[0], x[1], x[1] + x[2], x[3]);)
+SHADER_CASE(Dash, 2, 1, y[0] = marking_dash(x[0], float(9.0), float(3.0), x[1]);)
+SHADER_CASE(NoiseValue, 2, 1, y[0] = noise_value(x[0], x[1], float(2.0));)
+SHADER_CASE(NoiseSlope, 2, 3, vec3 n = noise_value_slope(x[0], x[1], float(8.0)); y[0] = n.x; y[1] = n.y; y[2] = n.z;)
+SHADER_CASE(NoiseFractal, 3, 2, y[0] = noise_fractal(x[0], x[1], float(64.0), 5, float(0.5), x[2]);
+                                y[1] = noise_fractal_slope(x[0], x[1], float(64.0), 5, float(0.5), x[2]).y;)
+SHADER_CASE(Sky, 2, 3, vec3 c = sky_gradient(x[0], x[1]); y[0] = c.x; y[1] = c.y; y[2] = c.z;)
+SHADER_CASE(Light, 4, 5, vec3 c = sky_ambient(x[0]); y[0] = c.x; y[1] = c.z; y[2] = sky_tone(x[1]);
+                         y[3] = sky_transmittance(x[2], float(9000.0)); y[4] = sky_sun_disc(x[3]);)
+SHADER_CASE(Ground, 6, 3, float bare = ground_bareness(x[0], x[1], x[2], x[3], x[4]);
+                          vec3 c = ground_albedo(bare, x[0], x[1], x[2], x[3], x[4], x[5]);
+                          y[0] = c.x; y[1] = c.y; y[2] = c.z;)
+SHADER_CASE(Asphalt, 3, 1, vec3 c = ground_asphalt(x[0], x[1], x[2]); y[0] = c.x;)
+#undef float
+// clang-format on
+
+// chord, a, b, arc, c0, c1, z1, z2, z3 of an admissible segment with a grade up to 12 % at both ends.
+void surface(Random& random, double* x) {
+  const double length = random.uniform(4, 40);
+  Segment s = make_segment({0, 0}, {length, 0}, random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 3.5);
+  const double grade0 = random.uniform(-0.12, 0.12), grade1 = random.uniform(-0.12, 0.12);
+  const Cubic z = Cubic::hermite(0, grade0, s.arc_m * random.uniform(-0.12, 0.12), grade1, s.arc_m);
+  const double values[] = {length, s.slope_start, s.slope_end, s.arc_m, s.arc_c0, s.arc_c1, z.c1, z.c2, z.c3};
+  std::copy(std::begin(values), std::end(values), x);
+}
+
+void height_inputs(Random& random, double* x) {
+  x[0] = random.uniform(0, 1);
+  surface(random, x + 1);
+}
+
+// A ray down to a point near the centre of the surface, at 10 degrees or steeper, that ends a little below it.
+void ray_inputs(Random& random, double* x) {
+  surface(random, x + 6);
+  const double down = -random.uniform(0.17, 1), turn = random.uniform(0, 6.28), length = x[6];
+  const double across = std::sqrt(1 - down * down);
+  const double d[] = {across * std::cos(turn) / length, across * std::sin(turn) / length, down};
+  x[0] = random.uniform(0.3, 0.7);
+  x[1] = random.uniform(-1, 1) / length;
+  x[2] = -0.2;
+  std::copy(std::begin(d), std::end(d), x + 3);
+}
+
+// Limits: about twice what llvmpipe measures.
+const FunctionCase kCases[] = {
+    {"surface_height", Height, height_inputs, 1.7e-6},
+    {"surface_intersect", Intersect, ray_inputs, 4.6e-6, 28},  // z of metres over sin 10 degrees, and its inverse
+    {"marking_stripe", Stripe, uniform_inputs({{-5, 5}, {-5, 5}, {0.1, 0.5}, {0.01, 2}}), 3.3e-5},  // divides by 1 cm
+    {"marking_dash", Dash, uniform_inputs({{0, 40}, {0.02, 20}}), 3.1e-4},  // likewise, by 2 cm of 40 m
+    {"noise_value", NoiseValue, uniform_inputs({{-200, 200}, {-200, 200}}), 2.7e-6},  // 200 m / 2 m in 24 bits
+    {"noise_value_slope", NoiseSlope, uniform_inputs({{-200, 200}, {-200, 200}}), 3.6e-6},
+    {"noise_fractal", NoiseFractal, uniform_inputs({{-200, 200}, {-200, 200}, {0, 4}}), 3.4e-6},
+    {"sky_gradient", Sky, uniform_inputs({{-1, 1}, {-1, 1}}), 6e-7},  // pow of the driver
+    {"sky_light", Light, uniform_inputs({{-1, 1}, {0, 20}, {0, 30000}, {0.9995, 1}}), 5.3e-4, 5},  // the sun's rim: / 1e-4
+    {"ground_albedo", Ground,
+     uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
+    {"ground_asphalt", Asphalt, uniform_inputs({{0, 1}, {-1, 1}, {-1, 1}}), 1e-7},
+};
+
+class LibraryShader : public GlTest, public ::testing::WithParamInterface<FunctionCase> {};
+
+TEST_P(LibraryShader, MatchesDoublePrecision) {
+  if (!make_context(ContextKind::kOsmesa)) return;
+  check_case({"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl", "lib/ground.glsl"},
+             GetParam(), 100000);
+}
+
+INSTANTIATE_TEST_SUITE_P(, LibraryShader, ::testing::ValuesIn(kCases),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+using Twin = glsl::Library<double>;
+
+TEST(Marking, TheBoxFilterOfAStripeIsItsMeanOverTheBox) {
+  Random random(3);
+  for (int i = 0; i < 2000; ++i) {
+    const double x = random.uniform(-3, 3), low = random.uniform(-2, 1), high = low + random.uniform(0.01, 1.5);
+    const double width = random.uniform(0.05, 3);
+    int inside = 0;
+    constexpr int kSamples = 2000;
+    for (int k = 0; k < kSamples; ++k) {
+      const double p = x + width * ((k + 0.5) / kSamples - 0.5);
+      inside += p >= low && p <= high;
+    }
+    EXPECT_NEAR(Twin::marking_stripe(x, low, high, width), static_cast<double>(inside) / kSamples, 1.1 / kSamples);
+  }
+}
+
+TEST(Marking, TheBoxFilterOfDashesIsTheirMeanOverTheBox) {
+  Random random(4);
+  for (int i = 0; i < 2000; ++i) {
+    const double x = random.uniform(-30, 30), width = random.uniform(0.05, 25);
+    int inside = 0;
+    constexpr int kSamples = 4000;
+    for (int k = 0; k < kSamples; ++k) {
+      const double p = x + width * ((k + 0.5) / kSamples - 0.5);
+      inside += p - 9 * std::floor(p / 9) < 3;
+    }
+    EXPECT_NEAR(Twin::marking_dash(x, 9.0, 3.0, width), static_cast<double>(inside) / kSamples, 7.0 / kSamples);
+  }
+}
+
+TEST(Noise, RepeatsAfterItsPeriodAndItsSlopesAreItsDerivatives) {
+  Random random(5);
+  for (int i = 0; i < 2000; ++i) {
+    const double x = random.uniform(-4096, 4096), y = random.uniform(-4096, 4096);
+    EXPECT_NEAR(Twin::noise_value(x, y, 8.0), Twin::noise_value(x + 4096, y - 4096, 8.0), 1e-9);
+    const auto n = Twin::noise_value_slope(x, y, 8.0);
+    constexpr double kStep = 1e-4;
+    EXPECT_NEAR(n.y, (Twin::noise_value(x + kStep, y, 8.0) - Twin::noise_value(x - kStep, y, 8.0)) / (2 * kStep), 1e-6);
+    EXPECT_NEAR(n.z, (Twin::noise_value(x, y + kStep, 8.0) - Twin::noise_value(x, y - kStep, 8.0)) / (2 * kStep), 1e-6);
+    EXPECT_LE(std::abs(n.x), 1);
+  }
+}
+
+}  // namespace
+}  // namespace roadgen::test
