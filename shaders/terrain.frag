@@ -15,7 +15,10 @@ void main() {
   out_label = vec2(1.0, 0.0);
 #else
   vec2 place = relative.xy + eye_phase.xy;
-  float footprint = length(relative) * right.w * 1.5;
+  // Between the pixel's short and long side on the ground: sharp where it faces the eye, calm where it is grazed.
+  float distance_m = length(relative);
+  float facing = abs(dot(normal, relative)) / distance_m;
+  float footprint = distance_m * right.w / sqrt(max(facing, 0.05));
   float altitude = (relative.z - ground.x) * ground.y;
   float steepness = 1.0 - normal.z;
   float broad = noise_fractal(place.x, place.y, 512.0, 3, 0.55, footprint);
@@ -28,7 +31,7 @@ void main() {
                  noise_value(band, 71.0, 32.0) * noise_band(32.0, footprint) * 0.6;
   vec3 albedo = ground_albedo(bareness, steepness, altitude, broad, middle.x, fine, strata);
   // Bumps of the rock up to 3 m, of the meadow up to 0.6 m.
-  vec3 bumped = normalize(normal - vec3(middle.yz, 0.0) * mix(0.6, 3.0, bareness));
+  vec3 bumped = normalize(normal - vec3(middle.yz, 0.0) * mix(0.7, 4.0, bareness));
   out_color = vec4(frame_tone(frame_shade(albedo, bumped, relative)), 1.0);
 #endif
 }

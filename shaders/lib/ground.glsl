@@ -16,8 +16,8 @@ FN vec3 ground_albedo(IN(float) bareness, IN(float) steepness, IN(float) altitud
                     clamp(0.5 + 0.5 * middle + 0.2 * fine, float(0.0), float(1.0)));
   vec3 grass = mix(meadow, alpine, smoothstep(float(0.30), float(0.70), altitude + 0.14 * broad + 0.06 * middle));
   grass = grass * (1.0 + 0.30 * fine);
-  vec3 rock = mix(vec3(0.110, 0.104, 0.098), vec3(0.270, 0.255, 0.232),
-                  clamp(0.5 + 0.30 * middle + 0.35 * strata + 0.25 * fine, float(0.0), float(1.0)));
+  vec3 rock = mix(vec3(0.085, 0.080, 0.076), vec3(0.250, 0.236, 0.214),
+                  clamp(0.5 + 0.35 * middle + 0.45 * strata + 0.30 * fine, float(0.0), float(1.0)));
   vec3 snow = vec3(0.80, 0.84, 0.90);
   float snowy = smoothstep(float(0.84), float(0.90), altitude + 0.09 * broad + 0.07 * middle + 0.03 * fine - 0.45 * steepness);
   return mix(mix(grass, rock, bareness), snow, snowy);
