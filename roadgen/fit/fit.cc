@@ -1,0 +1,157 @@
+#include "roadgen/fit/fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+#include "roadgen/fit/curve_fit.h"
+#include "roadgen/fit/locate.h"
+#include "roadgen/fit/profile.h"
+
+namespace roadgen {
+namespace {
+
+// Rounds of adding anchors where the heights need knots that the plan view does not.
+constexpr int kMostProfileRounds = 12;
+
+void warn(Diagnostics* diagnostics, std::string message) {
+  if (diagnostics) diagnostics->push_back({Severity::kWarning, std::move(message)});
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", x);
+  return text;
+}
+
+Status check_samples(std::span<const Sample> samples, const FitOptions& options) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& s = samples[i];
+    for (const double x : {s.position_m.x, s.position_m.y, s.elevation_m, s.half_width_m}) {
+      if (std::abs(x) <= kGreatestCoordinate_m) continue;
+      return Error{ErrorCode::kData, "sample " + std::to_string(i) + " has a coordinate, height or width that is not a "
+                                     "finite number below " + number(kGreatestCoordinate_m) + "; correct or remove it"};
+    }
+    if (!(s.half_width_m > 0)) {
+      return Error{ErrorCode::kData, "sample " + std::to_string(i) + " has a half width that is not positive"};
+    }
+  }
+  if (!(options.max_error_m > 0) || !(options.max_elevation_error_m > 0)) {
+    return Error{ErrorCode::kUsage, "the greatest allowed errors must be positive"};
+  }
+  return Done{};
+}
+
+// Without samples that repeat the one before.
+std::vector<Sample> distinct(std::span<const Sample> samples, bool closed, Diagnostics* diagnostics) {
+  const double least_m = AlignmentOptions{}.least_distance_m;
+  std::vector<Sample> kept;
+  for (const Sample& s : samples) {
+    if (kept.empty() || glm::length(s.position_m - kept.back().position_m) > least_m) kept.push_back(s);
+  }
+  while (closed && kept.size() > 1 && !(glm::length(kept.back().position_m - kept.front().position_m) > least_m)) {
+    kept.pop_back();
+  }
+  const std::size_t left_out = samples.size() - kept.size();
+  if (left_out > 0) {
+    warn(diagnostics, std::to_string(left_out) + " of " + std::to_string(samples.size()) +
+                          " samples repeat the one before within " + number(least_m) + " m: left out of the fit");
+  }
+  return kept;
+}
+
+AlignmentOptions alignment_options(const FitOptions& options) {
+  AlignmentOptions alignment;
+  alignment.tangents = options.catmull_rom;
+  alignment.closed = options.closed;
+  alignment.mapping_tolerance = options.mapping_tolerance;
+  alignment.tight = options.tight;
+  // Anchors are chosen from distinct samples but may slide; none is to be lost.
+  alignment.least_distance_m = 0;
+  return alignment;
+}
+
+// Arc length of every anchor on the road that passes them in order.
+std::vector<double> stations(const Road& road, std::span<const Anchor> anchors) {
+  std::vector<double> s_m;
+  for (const Segment& segment : road.segments) {
+    if (s_m.size() < anchors.size() && segment.start_m == anchors[s_m.size()].position_m) {
+      s_m.push_back(segment.s_start_m);
+    }
+  }
+  if (!road.closed) s_m.push_back(road.length_m());
+  return s_m;
+}
+
+// One sample per interval between knots: the worst of those above the error.
+std::vector<std::size_t> worst_heights(std::span<const double> knots_m, std::span<const HeightSample> samples,
+                                       const ProfileFit& fit, double max_error_m) {
+  std::vector<std::size_t> worst(knots_m.size() + 1, samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (fit.error_m[i] <= max_error_m) continue;
+    const auto interval = std::upper_bound(knots_m.begin(), knots_m.end(), samples[i].s_m) - knots_m.begin();
+    std::size_t& w = worst[static_cast<std::size_t>(interval)];
+    if (w == samples.size() || fit.error_m[i] > fit.error_m[w]) w = i;
+  }
+  std::erase(worst, samples.size());
+  return worst;
+}
+
+// Gives the anchors heights and grades, and the curve more anchors where the heights need them.
+Result<std::vector<Anchor>> fit_heights(CurveFit& curve, std::span<const Sample> samples, const FitOptions& options) {
+  AlignmentOptions alignment = alignment_options(options);
+  std::size_t before = 0;
+  for (int round = 0;; ++round) {
+    std::vector<Anchor> anchors = curve.anchors();
+    Result<Road> road = road_from_anchors(anchors, alignment);
+    if (!road) return road.error();
+    const std::vector<double> knots = stations(*road, anchors);
+    std::vector<HeightSample> heights;
+    const std::vector<Located> located = locate(*road, samples);
+    for (std::size_t i = 0; i < samples.size(); ++i) heights.push_back({located[i].s_m, samples[i].elevation_m});
+    const double limit = options.max_elevation_error_m * (1 - 1e-6);
+    const ProfileFit fit = fit_profile(knots, heights, options.closed, road->length_m(), limit);
+    const bool stuck = round > 0 && anchors.size() == before;
+    if (fit.max_error_m <= limit || stuck || round == kMostProfileRounds) {
+      for (std::size_t i = 0; i < anchors.size(); ++i) {
+        anchors[i].elevation_m = fit.z_m[i];
+        anchors[i].grade = fit.grade[i];
+      }
+      return anchors;
+    }
+    before = anchors.size();
+    curve.add_on_curve(worst_heights(knots, heights, fit, limit));
+  }
+}
+
+}  // namespace
+
+Result<FittedRoad> fit_road(std::span<const Sample> samples, const FitOptions& options, Diagnostics* diagnostics) {
+  if (Status s = check_samples(samples, options); !s) return s.error();
+  const std::vector<Sample> kept = distinct(samples, options.closed, diagnostics);
+  if (kept.size() < 2) {
+    return Error{ErrorCode::kData, "a road needs at least two distinct samples; " + std::to_string(samples.size()) +
+                                   " given, " + std::to_string(kept.size()) + " distinct"};
+  }
+  CurveFit curve(kept, options);
+  curve.run();
+  Result<std::vector<Anchor>> anchors = fit_heights(curve, kept, options);
+  if (!anchors) return anchors.error();
+  Result<Road> road = road_from_anchors(*anchors, alignment_options(options), diagnostics);
+  if (!road) return road.error();
+  Certificate certificate = certify(*road, samples, anchors->size());
+  const std::pair<const char*, std::pair<double, double>> promises[] = {
+      {"horizontal", {certificate.max_error_m, options.max_error_m}},
+      {"vertical", {certificate.max_elevation_error_m, options.max_elevation_error_m}}};
+  for (const auto& [what, error] : promises) {
+    if (error.first <= error.second) continue;
+    warn(diagnostics, std::string("the ") + what + " error reaches " + number(error.first) + " m, above the " +
+                          number(error.second) + " m allowed");
+  }
+  return FittedRoad{std::move(road).value(), std::move(anchors).value(), std::move(certificate)};
+}
+
+}  // namespace roadgen

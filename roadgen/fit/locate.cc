@@ -1,0 +1,133 @@
+#include "roadgen/fit/locate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace roadgen {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Segments ahead of the last sample's where the next one is looked for first.
+constexpr std::size_t kAhead = 3;
+
+struct Box {
+  glm::dvec2 low{kInfinity}, high{-kInfinity};
+
+  void add(glm::dvec2 p) { low = glm::min(low, p), high = glm::max(high, p); }
+  double distance_m(glm::dvec2 p) const {
+    return glm::length(glm::max(glm::max(low - p, p - high), glm::dvec2(0)));
+  }
+};
+
+// A complete binary tree of boxes over the segments in order; node i has the children 2 i and 2 i + 1.
+class SegmentTree {
+ public:
+  explicit SegmentTree(const Road& road) : road_(road) {
+    while (leaves_ < road.segments.size()) leaves_ *= 2;
+    boxes_.resize(2 * leaves_);
+    for (std::size_t i = 0; i < road.segments.size(); ++i) {
+      const Segment& s = road.segments[i];
+      const Cubic::Range f = curve_range(s.slope_start, s.slope_end);
+      for (const double x : {0.0, 1.0}) {
+        for (const double y : {f.low, f.high}) boxes_[leaves_ + i].add(from_chord(s, {x, y}));
+      }
+    }
+    for (std::size_t i = leaves_; i-- > 1;) {
+      boxes_[i] = boxes_[2 * i];
+      boxes_[i].add(boxes_[2 * i + 1].low);
+      boxes_[i].add(boxes_[2 * i + 1].high);
+    }
+  }
+
+  struct Hit {
+    std::size_t segment = 0;
+    Nearest nearest{0, kInfinity};
+  };
+
+  void improve(Hit& best, glm::dvec2 point_m, std::size_t node = 1) const {
+    // The boxes are exact up to rounding of their corners.
+    if (!(boxes_[node].distance_m(point_m) < best.nearest.distance_m)) return;
+    if (node >= leaves_) return take(best, point_m, node - leaves_);
+    const std::size_t left = 2 * node, right = left + 1;
+    const bool left_first = boxes_[left].distance_m(point_m) <= boxes_[right].distance_m(point_m);
+    improve(best, point_m, left_first ? left : right);
+    improve(best, point_m, left_first ? right : left);
+  }
+
+  void take(Hit& best, glm::dvec2 point_m, std::size_t segment) const {
+    const Nearest here = nearest(road_.segments[segment], point_m);
+    if (here.distance_m < best.nearest.distance_m) best = {segment, here};
+  }
+
+ private:
+  const Road& road_;
+  std::size_t leaves_ = 1;
+  std::vector<Box> boxes_;
+};
+
+}  // namespace
+
+std::vector<Located> locate(const Road& road, std::span<const Sample> samples) {
+  const SegmentTree tree(road);
+  const std::size_t count = road.segments.size();
+  std::vector<Located> all;
+  all.reserve(samples.size());
+  std::size_t last = 0;
+  for (const Sample& sample : samples) {
+    SegmentTree::Hit near;
+    for (std::size_t k = 0; k <= kAhead; ++k) {
+      const std::size_t i = last + k;
+      if (i < count || road.closed) tree.take(near, sample.position_m, i % count);
+    }
+    SegmentTree::Hit best = near;
+    tree.improve(best, sample.position_m);
+    // Another strand may be nearer where the road crosses itself, but by no more than its width.
+    const bool stays = !all.empty() && near.nearest.distance_m <= best.nearest.distance_m + sample.half_width_m;
+    const SegmentTree::Hit& place = stays ? near : best;
+    const Segment& segment = road.segments[place.segment];
+    all.push_back({best.nearest.distance_m, place.segment,
+                   segment.s_start_m + std::min(arc_at(segment, place.nearest.u), segment.arc_m)});
+    last = place.segment;
+  }
+  return all;
+}
+
+Certificate certify(const Road& road, std::span<const Sample> samples, std::size_t anchors) {
+  Certificate c;
+  c.id = road.id;
+  c.closed = road.closed;
+  c.length_m = road.length_m();
+  c.samples = samples.size();
+  c.anchors = anchors;
+  c.segments = road.segments.size();
+  if (road.segments.empty()) return c;
+
+  const std::vector<Located> located = locate(road, samples);
+  double sum = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Segment& segment = road.segments[located[i].segment];
+    const double z = segment.elevation_m.value(located[i].s_m - segment.s_start_m);
+    c.max_error_m = std::max(c.max_error_m, located[i].distance_m);
+    c.max_elevation_error_m = std::max(c.max_elevation_error_m, std::abs(z - samples[i].elevation_m));
+    sum += located[i].distance_m * located[i].distance_m;
+  }
+  if (!samples.empty()) c.rms_error_m = std::sqrt(sum / static_cast<double>(samples.size()));
+
+  double mapping_m = 0;
+  for (const Segment& segment : road.segments) {
+    mapping_m = std::max(mapping_m, segment.bound.v * segment.chord_length_m());
+  }
+  c.bound_m = c.max_error_m + mapping_m;
+  for (std::size_t i = 0; i + (road.closed ? 0 : 1) < road.segments.size(); ++i) {
+    const JointGap gap = joint_gap(road.segments[i], road.segments[i + 1 == road.segments.size() ? 0 : i + 1]);
+    c.max_heading_jump_rad = std::max(c.max_heading_jump_rad, gap.heading_rad);
+    c.max_curvature_jump_per_m = std::max(c.max_curvature_jump_per_m, gap.curvature_per_m);
+  }
+  return c;
+}
+
+}  // namespace roadgen

@@ -1,0 +1,22 @@
+// Where samples stand on a road. Internal to roadgen/fit.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "roadgen/fit/fit.h"
+
+namespace roadgen {
+
+struct Located {
+  double distance_m = 0;    // to the nearest point of the whole road
+  // The nearest point beside the place of the sample before, which differs where the road crosses itself.
+  std::size_t segment = 0;
+  double s_m = 0;           // of the road
+};
+
+// Requires: the road has segments; samples in the order of the road. Cost: O((samples + segments) log segments).
+std::vector<Located> locate(const Road& road, std::span<const Sample> samples);
+
+}  // namespace roadgen

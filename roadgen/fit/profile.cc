@@ -1,0 +1,175 @@
+#include "roadgen/fit/profile.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/mat2x2.hpp>
+#include <glm/vec2.hpp>
+#include <glm/matrix.hpp>
+
+#include "roadgen/road/segment.h"
+
+namespace roadgen {
+namespace {
+
+// Greatest and least weight of the second derivative, m^3.
+constexpr double kGreatestLambda = 1e9;
+constexpr double kLeastLambda = 1e-4;
+
+// Values at one place of the four Hermite functions: height and grade at the knot before, and at the knot after.
+struct Basis {
+  glm::dvec2 before, after;
+};
+
+Basis basis(double x, double length_m) {
+  const double w = 1 - x;
+  return {{w * w * (1 + 2 * x), length_m * x * w * w}, {x * x * (3 - 2 * x), -length_m * x * x * w}};
+}
+
+// Unknowns are (z, grade) at every knot, so the normal matrix is block tridiagonal: diagonal[i] at knot i, and
+// right[i] couples knot i (rows) with the knot after it (columns).
+struct Normal {
+  std::vector<glm::dmat2> diagonal, right;
+  std::vector<glm::dvec2> rhs;
+
+  // Adds weight * (row . unknowns - target)^2, where the row touches knots i and next.
+  void add(std::size_t i, std::size_t next, const Basis& row, double target, double weight) {
+    diagonal[i] += weight * glm::outerProduct(row.before, row.before);
+    diagonal[next] += weight * glm::outerProduct(row.after, row.after);
+    right[i] += weight * glm::outerProduct(row.before, row.after);
+    rhs[i] += weight * target * row.before;
+    rhs[next] += weight * target * row.after;
+  }
+};
+
+// Three right-hand sides at once: the loop's closure needs two more than the data.
+struct Columns {
+  glm::dvec2 data{0};
+  glm::dmat2 closure{0};
+};
+
+// Block elimination without pivoting, which a positive definite matrix does not need. On a loop the last knot is
+// eliminated last: the others are solved for their dependence on it first.
+std::vector<glm::dvec2> solve(const Normal& n, bool closed) {
+  const std::size_t m = n.diagonal.size(), chain = closed ? m - 1 : m;
+  std::vector<glm::dmat2> factor(chain);  // inverse of the eliminated diagonal
+  std::vector<Columns> x(chain);
+  for (std::size_t i = 0; i < chain; ++i) {
+    x[i].data = n.rhs[i];
+    if (closed && i == 0) x[i].closure += glm::transpose(n.right[m - 1]);
+    if (closed && i + 1 == chain) x[i].closure += n.right[i];
+    glm::dmat2 d = n.diagonal[i];
+    if (i > 0) {
+      const glm::dmat2 lower = glm::transpose(n.right[i - 1]) * factor[i - 1];
+      d -= lower * n.right[i - 1];
+      x[i].data -= lower * x[i - 1].data;
+      x[i].closure -= lower * x[i - 1].closure;
+    }
+    factor[i] = glm::inverse(d);
+  }
+  for (std::size_t i = chain; i-- > 0;) {
+    if (i + 1 < chain) {
+      x[i].data -= n.right[i] * x[i + 1].data;
+      x[i].closure -= n.right[i] * x[i + 1].closure;
+    }
+    x[i].data = factor[i] * x[i].data;
+    x[i].closure = factor[i] * x[i].closure;
+  }
+  std::vector<glm::dvec2> solution(m);
+  if (closed) {
+    // The last knot's own equation, with the others expressed by it.
+    const glm::dmat2 to_first = n.right[m - 1], to_before = glm::transpose(n.right[m - 2]);
+    const glm::dmat2 d = n.diagonal[m - 1] - to_first * x.front().closure - to_before * x.back().closure;
+    const glm::dvec2 r = n.rhs[m - 1] - to_first * x.front().data - to_before * x.back().data;
+    solution[m - 1] = glm::inverse(d) * r;
+  }
+  for (std::size_t i = 0; i < chain; ++i) {
+    solution[i] = x[i].data - (closed ? x[i].closure * solution[m - 1] : glm::dvec2(0));
+  }
+  return solution;
+}
+
+class Profile {
+ public:
+  Profile(std::span<const double> knots_m, bool closed, double length_m)
+      : knots_m_(knots_m), closed_(closed), length_m_(length_m) {}
+
+  ProfileFit fit(std::span<const HeightSample> samples, double lambda) const {
+    const std::size_t m = knots_m_.size();
+    Normal n{std::vector<glm::dmat2>(m, glm::dmat2(0)), std::vector<glm::dmat2>(m, glm::dmat2(0)),
+             std::vector<glm::dvec2>(m, glm::dvec2(0))};
+    const double base = samples.empty() ? 0 : samples.front().z_m;  // keeps the numbers small
+    for (const HeightSample& sample : samples) {
+      const Place p = place(sample.s_m);
+      n.add(p.knot, p.next, basis(p.x, p.length_m), sample.z_m - base, 1);
+    }
+    for (std::size_t i = 0; i < (closed_ ? m : m - 1); ++i) add_bending(n, i, lambda);
+    for (std::size_t i = 0; i < m; ++i) {
+      // A trace of pull to level ground, for knots that no sample determines.
+      n.diagonal[i] += glm::dmat2(1e-9, 0, 0, 1e-9);
+    }
+    const std::vector<glm::dvec2> unknowns = solve(n, closed_);
+    ProfileFit fit;
+    for (const glm::dvec2 u : unknowns) {
+      fit.z_m.push_back(u.x + base);
+      fit.grade.push_back(u.y);
+    }
+    for (const HeightSample& sample : samples) {
+      const Place p = place(sample.s_m);
+      const Cubic c = Cubic::hermite(fit.z_m[p.knot], fit.grade[p.knot], fit.z_m[p.next], fit.grade[p.next],
+                                     p.length_m);
+      fit.error_m.push_back(std::abs(c.value(p.x * p.length_m) - sample.z_m));
+      fit.max_error_m = std::max(fit.max_error_m, fit.error_m.back());
+    }
+    return fit;
+  }
+
+ private:
+  struct Place {
+    std::size_t knot, next;
+    double x, length_m;  // x in [0, 1] between them
+  };
+
+  double length_after(std::size_t knot) const {
+    return knot + 1 < knots_m_.size() ? knots_m_[knot + 1] - knots_m_[knot] : length_m_ - knots_m_[knot] + knots_m_[0];
+  }
+
+  Place place(double s_m) const {
+    const auto after = std::upper_bound(knots_m_.begin(), knots_m_.end(), s_m);
+    const std::size_t m = knots_m_.size();
+    std::size_t knot = after == knots_m_.begin() ? 0 : static_cast<std::size_t>(after - knots_m_.begin()) - 1;
+    if (!closed_) knot = std::min(knot, m - 2);
+    const double length = length_after(knot);
+    return {knot, knot + 1 == m ? 0 : knot + 1, std::clamp((s_m - knots_m_[knot]) / length, 0.0, 1.0), length};
+  }
+
+  // lambda times the integral of z''^2, exactly: z'' is linear, so the integral is h (mean^2 + difference^2 / 12).
+  void add_bending(Normal& n, std::size_t i, double lambda) const {
+    const double h = length_after(i);
+    const Basis first{{-6 / (h * h), -4 / h}, {6 / (h * h), -2 / h}}, last{{6 / (h * h), 2 / h}, {-6 / (h * h), 4 / h}};
+    const Basis mean{0.5 * (first.before + last.before), 0.5 * (first.after + last.after)};
+    const Basis difference{last.before - first.before, last.after - first.after};
+    const std::size_t next = i + 1 == knots_m_.size() ? 0 : i + 1;
+    n.add(i, next, mean, 0, lambda * h);
+    n.add(i, next, difference, 0, lambda * h / 12);
+  }
+
+  std::span<const double> knots_m_;
+  bool closed_;
+  double length_m_;
+};
+
+}  // namespace
+
+ProfileFit fit_profile(std::span<const double> knots_m, std::span<const HeightSample> samples, bool closed,
+                       double length_m, double max_error_m) {
+  const Profile profile(knots_m, closed, length_m);
+  ProfileFit fit;
+  for (double lambda = kGreatestLambda; lambda >= kLeastLambda; lambda /= 10) {
+    fit = profile.fit(samples, lambda);
+    if (fit.max_error_m <= max_error_m) return fit;
+  }
+  return fit;
+}
+
+}  // namespace roadgen
