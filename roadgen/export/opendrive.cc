@@ -10,7 +10,8 @@
 namespace roadgen {
 namespace {
 
-// Appends to a text; XML by hand, since the file's form is fixed and attribute order is part of being identical.
+// Appends to a text; XML by hand, since the file's form is fixed and attribute order is part of being
+// identical.
 class Writer {
  public:
   Writer& raw(std::string_view text) {
@@ -44,11 +45,23 @@ class Writer {
  private:
   void escape(char c) {
     switch (c) {
-      case '&': text_ += "&amp;"; break;
-      case '<': text_ += "&lt;"; break;
-      case '>': text_ += "&gt;"; break;
-      case '"': text_ += "&quot;"; break;
-      case '\n': case '\r': case '\t': text_ += ' '; break;
+      case '&':
+        text_ += "&amp;";
+        break;
+      case '<':
+        text_ += "&lt;";
+        break;
+      case '>':
+        text_ += "&gt;";
+        break;
+      case '"':
+        text_ += "&quot;";
+        break;
+      case '\n':
+      case '\r':
+      case '\t':
+        text_ += ' ';
+        break;
       default:
         if (static_cast<unsigned char>(c) >= 0x20) text_ += c;  // XML 1.0 has no other control characters
     }
@@ -64,7 +77,10 @@ void write_cubic(Writer& out, const Cubic& c) {
 void write_header(Writer& out, const Network& network) {
   out.raw("  <header revMajor=\"1\" revMinor=\"7\"").text("name", network.name).raw(" version=\"1.00\"");
   if (const Bounds b = bounds(network); !b.empty()) {
-    out.number("north", b.high_m.y).number("south", b.low_m.y).number("east", b.high_m.x).number("west", b.low_m.x);
+    out.number("north", b.high_m.y)
+        .number("south", b.low_m.y)
+        .number("east", b.high_m.x)
+        .number("west", b.low_m.x);
   }
   out.raw(" vendor=\"roadgen\"");
   if (!network.georeference) {
@@ -89,7 +105,10 @@ void write_geometry(Writer& out, const Segment& segment) {
   out.raw("      <geometry").number("s", segment.s_start_m);
   out.number("x", segment.start_m.x).number("y", segment.start_m.y).number("hdg", heading_rad(segment, 0));
   out.number("length", segment.arc_m).raw(">\n        <paramPoly3 aU=\"0\"");
-  out.number("bU", length * secant).number("cU", -s * (2 * a + b)).number("dU", s * (a + b)).raw(" aV=\"0\" bV=\"0\"");
+  out.number("bU", length * secant)
+      .number("cU", -s * (2 * a + b))
+      .number("dU", s * (a + b))
+      .raw(" aV=\"0\" bV=\"0\"");
   out.number("cV", -c * (2 * a + b)).number("dV", c * (a + b)).raw(" pRange=\"normalized\"/>\n");
   out.raw("        <userData code=\"roadgen:chord\" value=\"").digits(segment.end_m.x);
   out.raw(" ").digits(segment.end_m.y);
@@ -118,16 +137,19 @@ void write_driving_lane(Writer& out, const Road& road, const char* id) {
     out.raw("\"/>\n              <successor id=\"").raw(id).raw("\"/>\n            </link>\n");
   }
   write_widths(out, road);
-  out.raw("            <roadMark sOffset=\"0\" type=\"solid\" weight=\"standard\" color=\"white\" width=\"0.12\" "
-          "laneChange=\"none\"/>\n          </lane>\n");
+  out.raw(
+      "            <roadMark sOffset=\"0\" type=\"solid\" weight=\"standard\" color=\"white\" width=\"0.12\" "
+      "laneChange=\"none\"/>\n          </lane>\n");
 }
 
 void write_lanes(Writer& out, const Road& road) {
   out.raw("    <lanes>\n      <laneSection s=\"0\">\n        <left>\n");
   write_driving_lane(out, road, "1");
-  out.raw("        </left>\n        <center>\n          <lane id=\"0\" type=\"none\" level=\"false\">\n"
-          "            <roadMark sOffset=\"0\" type=\"broken\" weight=\"standard\" color=\"white\" width=\"0.12\" "
-          "laneChange=\"both\"/>\n          </lane>\n        </center>\n        <right>\n");
+  out.raw(
+      "        </left>\n        <center>\n          <lane id=\"0\" type=\"none\" level=\"false\">\n"
+      "            <roadMark sOffset=\"0\" type=\"broken\" weight=\"standard\" color=\"white\" "
+      "width=\"0.12\" "
+      "laneChange=\"both\"/>\n          </lane>\n        </center>\n        <right>\n");
   write_driving_lane(out, road, "-1");
   out.raw("        </right>\n      </laneSection>\n    </lanes>\n");
 }
@@ -154,8 +176,8 @@ void write_road(Writer& out, const Road& road) {
 
 bool is_finite(const Segment& s) {
   const Cubic &z = s.elevation_m, &w = s.half_width_m;
-  return std::isfinite(s.start_m.x + s.start_m.y + s.end_m.x + s.end_m.y + s.slope_start + s.slope_end + s.s_start_m +
-                       s.arc_m + z.c0 + z.c1 + z.c2 + z.c3 + w.c0 + w.c1 + w.c2 + w.c3);
+  return std::isfinite(s.start_m.x + s.start_m.y + s.end_m.x + s.end_m.y + s.slope_start + s.slope_end +
+                       s.s_start_m + s.arc_m + z.c0 + z.c1 + z.c2 + z.c3 + w.c0 + w.c1 + w.c2 + w.c3);
 }
 
 Status check_roads(const Network& network) {

@@ -15,14 +15,32 @@ namespace {
 enum Column { kLatitude, kLongitude, kX, kY, kHeight, kWidth, kColumns };
 
 const std::map<std::string, Column, std::less<>>& column_names() {
-  static const std::map<std::string, Column, std::less<>> names = {
-      {"lat", kLatitude},    {"latitude", kLatitude}, {"lon", kLongitude},   {"lng", kLongitude},
-      {"long", kLongitude},  {"longitude", kLongitude}, {"x", kX},           {"x_m", kX},
-      {"east", kX},          {"easting", kX},         {"y", kY},             {"y_m", kY},
-      {"north", kY},         {"northing", kY},        {"height", kHeight},   {"h", kHeight},
-      {"z", kHeight},        {"z_m", kHeight},        {"ele", kHeight},      {"elev", kHeight},
-      {"elevation", kHeight}, {"alt", kHeight},       {"altitude", kHeight}, {"width", kWidth},
-      {"w", kWidth},         {"width_m", kWidth}};
+  static const std::map<std::string, Column, std::less<>> names = {{"lat", kLatitude},
+                                                                   {"latitude", kLatitude},
+                                                                   {"lon", kLongitude},
+                                                                   {"lng", kLongitude},
+                                                                   {"long", kLongitude},
+                                                                   {"longitude", kLongitude},
+                                                                   {"x", kX},
+                                                                   {"x_m", kX},
+                                                                   {"east", kX},
+                                                                   {"easting", kX},
+                                                                   {"y", kY},
+                                                                   {"y_m", kY},
+                                                                   {"north", kY},
+                                                                   {"northing", kY},
+                                                                   {"height", kHeight},
+                                                                   {"h", kHeight},
+                                                                   {"z", kHeight},
+                                                                   {"z_m", kHeight},
+                                                                   {"ele", kHeight},
+                                                                   {"elev", kHeight},
+                                                                   {"elevation", kHeight},
+                                                                   {"alt", kHeight},
+                                                                   {"altitude", kHeight},
+                                                                   {"width", kWidth},
+                                                                   {"w", kWidth},
+                                                                   {"width_m", kWidth}};
   return names;
 }
 
@@ -42,7 +60,8 @@ std::vector<std::string_view> split(std::string_view row, char separator) {
   while (true) {
     const std::size_t end = row.find(separator);
     std::string_view cell = trimmed(row.substr(0, end));
-    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = trimmed(cell.substr(1, cell.size() - 2));
+    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+      cell = trimmed(cell.substr(1, cell.size() - 2));
     cells.push_back(cell);
     if (end == std::string_view::npos) return cells;
     row.remove_prefix(end + 1);
@@ -58,11 +77,13 @@ char separator_of(std::string_view row) {
 
 std::string lowered(std::string_view text) {
   std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return result;
 }
 
-Result<Header> parse_header(std::string_view row, const std::string& file, int line, Diagnostics& diagnostics) {
+Result<Header> parse_header(std::string_view row, const std::string& file, int line,
+                            Diagnostics& diagnostics) {
   const auto bad = [&](const std::string& message) { return Error{ErrorCode::kParse, message, file, line}; };
   if (row.starts_with('#')) row.remove_prefix(1);
   Header header;
@@ -80,17 +101,20 @@ Result<Header> parse_header(std::string_view row, const std::string& file, int l
       ignored += (ignored.empty() ? "" : ", ") + std::string(names[i]);
       continue;
     }
-    if (header.at[known->second] >= 0) return bad("the header names the column '" + std::string(names[i]) + "' or its like twice");
+    if (header.at[known->second] >= 0)
+      return bad("the header names the column '" + std::string(names[i]) + "' or its like twice");
     header.at[known->second] = static_cast<int>(i);
   }
-  if (all_numbers) return bad("there is no header line; begin the file with 'lat,lon' or 'x,y' [,height][,width]");
+  if (all_numbers)
+    return bad("there is no header line; begin the file with 'lat,lon' or 'x,y' [,height][,width]");
 
   const auto has = [&](Column column) { return header.at[column] >= 0; };
   header.geodetic = has(kLatitude) || has(kLongitude);
   if (header.x() < 0 || header.y() < 0) {
     return bad("the header names no position; it needs the columns lat and lon, or x and y");
   }
-  if (header.geodetic && (has(kX) || has(kY))) ignored += (ignored.empty() ? "" : ", ") + std::string("x and y, since lat and lon are there");
+  if (header.geodetic && (has(kX) || has(kY)))
+    ignored += (ignored.empty() ? "" : ", ") + std::string("x and y, since lat and lon are there");
   if (!ignored.empty()) diagnostics.push_back({Severity::kInfo, "columns not used: " + ignored, file, line});
   return header;
 }
@@ -110,8 +134,10 @@ class LeftOut {
  private:
   void flush() {
     if (count_ == 0) return;
-    const std::string lines = count_ == 1 ? "" : " (lines " + std::to_string(first_) + "-" + std::to_string(last_) + ")";
-    diagnostics_.push_back({Severity::kWarning, "position missing or not finite: point left out" + lines, file_, first_});
+    const std::string lines =
+        count_ == 1 ? "" : " (lines " + std::to_string(first_) + "-" + std::to_string(last_) + ")";
+    diagnostics_.push_back(
+        {Severity::kWarning, "position missing or not finite: point left out" + lines, file_, first_});
     count_ = 0;
   }
 
@@ -121,14 +147,18 @@ class LeftOut {
 };
 
 // An empty cell is NaN here, and nowhere else.
-Result<double> cell_number(const std::vector<std::string_view>& cells, int at, const std::string& file, int line) {
+Result<double> cell_number(const std::vector<std::string_view>& cells, int at, const std::string& file,
+                           int line) {
   if (at < 0 || cells[at].empty()) return std::nan("");
   const std::optional<double> value = parse_number(cells[at]);
-  if (!value) return Error{ErrorCode::kParse, "'" + std::string(cells[at].substr(0, 40)) + "' is not a number", file, line};
+  if (!value)
+    return Error{ErrorCode::kParse, "'" + std::string(cells[at].substr(0, 40)) + "' is not a number", file,
+                 line};
   return *value;
 }
 
-Result<TrackPoint> parse_point(std::string_view row, const Header& header, const std::string& file, int line) {
+Result<TrackPoint> parse_point(std::string_view row, const Header& header, const std::string& file,
+                               int line) {
   const std::vector<std::string_view> cells = split(row, header.separator);
   if (cells.size() != header.cells) {
     return Error{ErrorCode::kParse,
@@ -152,7 +182,8 @@ Result<TrackPoint> parse_point(std::string_view row, const Header& header, const
 
 }  // namespace
 
-Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
+Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& file,
+                                     Diagnostics& diagnostics) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   if (Status status = check_utf8(text, file); !status) return status.error();
 
@@ -177,8 +208,10 @@ Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& f
     Result<TrackPoint> point = parse_point(row, *header, file, line);
     if (!point) return point.error();
     point->index = static_cast<int>(track.points.size()) + 1;
-    if (std::isfinite(point->x) && std::isfinite(point->y)) track.points.push_back(*point);
-    else left_out.add(line);
+    if (std::isfinite(point->x) && std::isfinite(point->y))
+      track.points.push_back(*point);
+    else
+      left_out.add(line);
   }
   if (!header) return Error{ErrorCode::kParse, "holds no header and no points", file};
   if (track.points.empty()) return Error{ErrorCode::kData, "holds no points with a position", file};

@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <glm/geometric.hpp>
 #include <map>
 #include <optional>
+#include <pugixml.hpp>
 #include <set>
 #include <vector>
-
-#include <glm/geometric.hpp>
-#include <pugixml.hpp>
 
 #include "roadgen/import/param_poly3.h"
 #include "roadgen/import/text_file.h"
@@ -108,7 +107,11 @@ class Reader {
   Cubic profile_over(const std::vector<Record>& records, const Placed& placed, const char* what);
   void close_loop(pugi::xml_node node, Road& road);
 
-  struct Note { int line; std::string element; int count; };
+  struct Note {
+    int line;
+    std::string element;
+    int count;
+  };
 
   std::string_view text_;
   LineIndex lines_;
@@ -133,7 +136,8 @@ double Reader::number(pugi::xml_node node, const char* name) {
   }
   const std::optional<double> value = parse_number(attribute.value());
   if (!value || !std::isfinite(*value)) {
-    fail(ErrorCode::kParse, node, tag + " has " + name + "=\"" + attribute.value() + "\", which is not a finite number");
+    fail(ErrorCode::kParse, node,
+         tag + " has " + name + "=\"" + attribute.value() + "\", which is not a finite number");
     return 0;
   }
   return *value;
@@ -159,7 +163,8 @@ pugi::xml_node Reader::child(pugi::xml_node node, const char* name) {
 
 void Reader::read_header(pugi::xml_node header) {
   if (failed()) return;
-  if (number(header, "revMajor") != 1 && !failed()) unsupported(header, "an OpenDRIVE version other than 1.x is");
+  if (number(header, "revMajor") != 1 && !failed())
+    unsupported(header, "an OpenDRIVE version other than 1.x is");
   network_.name = header.attribute("name").value();
   read_origin(header);
 }
@@ -185,7 +190,8 @@ void Reader::read_origin(pugi::xml_node header) {
 
 void Reader::read_links(pugi::xml_node node, Road& road) {
   for (const pugi::xml_node link : node.child("link").children()) {
-    if (link.attribute("elementId").value() == road.id && !std::strcmp(link.attribute("elementType").value(), "road")) {
+    if (link.attribute("elementId").value() == road.id &&
+        !std::strcmp(link.attribute("elementType").value(), "road")) {
       road.closed = true;
     } else {
       note(link, "links to other roads are not kept");
@@ -195,28 +201,35 @@ void Reader::read_links(pugi::xml_node node, Road& road) {
 
 void Reader::refuse_lateral(pugi::xml_node node) {
   for (const pugi::xml_node record : node.child("lateralProfile").children()) {
-    const bool flat = !std::strcmp(record.name(), "superelevation") && record.attribute("a").as_double() == 0 &&
-                      record.attribute("b").as_double() == 0 && record.attribute("c").as_double() == 0 &&
-                      record.attribute("d").as_double() == 0;
+    const bool flat = !std::strcmp(record.name(), "superelevation") &&
+                      record.attribute("a").as_double() == 0 && record.attribute("b").as_double() == 0 &&
+                      record.attribute("c").as_double() == 0 && record.attribute("d").as_double() == 0;
     if (!flat) return unsupported(record, std::string("<") + record.name() + "> is");
   }
 }
 
 ParametricCubic Reader::read_shape(pugi::xml_node node, double heading_rad, double length_m) {
   const glm::dvec2 start(number(node, "x"), number(node, "y"));
-  const pugi::xml_node shape = node.find_child([](pugi::xml_node n) { return std::strcmp(n.name(), "userData") != 0; });
+  const pugi::xml_node shape =
+      node.find_child([](pugi::xml_node n) { return std::strcmp(n.name(), "userData") != 0; });
   if (!std::strcmp(shape.name(), "line")) return ParametricCubic{start, {length_m, 0}}.turned(heading_rad);
   if (std::strcmp(shape.name(), "paramPoly3")) {
-    if (shape) unsupported(shape, std::string("geometry <") + shape.name() + "> is");
-    else fail(ErrorCode::kParse, node, "<geometry> has no shape");
+    if (shape)
+      unsupported(shape, std::string("geometry <") + shape.name() + "> is");
+    else
+      fail(ErrorCode::kParse, node, "<geometry> has no shape");
     return {};
   }
   const glm::dvec2 offset(number(shape, "aU"), number(shape, "aV"));
-  ParametricCubic curve{offset, {number(shape, "bU"), number(shape, "bV")}, {number(shape, "cU"), number(shape, "cV")},
+  ParametricCubic curve{offset,
+                        {number(shape, "bU"), number(shape, "bV")},
+                        {number(shape, "cU"), number(shape, "cV")},
                         {number(shape, "dU"), number(shape, "dV")}};
   const std::string range = shape.attribute("pRange").as_string("arcLength");  // the default of OpenDRIVE 1.4
-  if (range == "arcLength") curve = curve.rescaled(length_m);
-  else if (range != "normalized") fail(ErrorCode::kParse, shape, "pRange=\"" + range + "\" is neither arcLength nor normalized");
+  if (range == "arcLength")
+    curve = curve.rescaled(length_m);
+  else if (range != "normalized")
+    fail(ErrorCode::kParse, shape, "pRange=\"" + range + "\" is neither arcLength nor normalized");
   curve = curve.turned(heading_rad);
   const double c = std::cos(heading_rad), s = std::sin(heading_rad);
   curve.start_m = start + glm::dvec2(c * offset.x - s * offset.y, s * offset.x + c * offset.y);
@@ -246,7 +259,9 @@ Placed Reader::read_geometry(pugi::xml_node node) {
   const double heading = number(node, "hdg");
   if (failed()) return placed;
   if (!(placed.length_m > 0)) {
-    fail(ErrorCode::kParse, node, "<geometry> has length=\"" + std::string(node.attribute("length").value()) + "\"; it must be positive");
+    fail(ErrorCode::kParse, node,
+         "<geometry> has length=\"" + std::string(node.attribute("length").value()) +
+             "\"; it must be positive");
     return placed;
   }
   const ParametricCubic curve = read_shape(node, heading, placed.length_m);
@@ -271,8 +286,9 @@ std::vector<Placed> Reader::read_plan(pugi::xml_node node) {
     if (failed()) return plan;
     const double expected = plan.size() == 1 ? 0 : plan[plan.size() - 2].s_m + plan[plan.size() - 2].length_m;
     if (std::abs(plan.back().s_m - expected) > kSameStation_m) {
-      fail(ErrorCode::kParse, geometry, "<geometry> does not start where the one before ends: s is off by " +
-                                            std::to_string(plan.back().s_m - expected) + " m");
+      fail(ErrorCode::kParse, geometry,
+           "<geometry> does not start where the one before ends: s is off by " +
+               std::to_string(plan.back().s_m - expected) + " m");
     }
     if (plan.size() == 1) continue;
     // Rounded files: the next anchor is the better one.
@@ -303,10 +319,13 @@ std::vector<Record> Reader::read_records(pugi::xml_node parent, const char* name
 Cubic Reader::profile_over(const std::vector<Record>& records, const Placed& placed, const char* what) {
   const Record* holds = nullptr;
   for (const Record& record : records) {
-    if (record.s_m <= placed.s_m + kSamePlace_m) holds = &record;
+    if (record.s_m <= placed.s_m + kSamePlace_m)
+      holds = &record;
     else if (record.s_m < placed.s_m + placed.length_m - kSamePlace_m && !error_) {
-      error_ = Error{ErrorCode::kData, std::string("a record of the ") + what + " that begins within a geometry is not supported yet",
-                     file_, record.line, element_};
+      error_ = Error{
+          ErrorCode::kData,
+          std::string("a record of the ") + what + " that begins within a geometry is not supported yet",
+          file_, record.line, element_};
     }
   }
   if (!holds) return {};
@@ -314,7 +333,8 @@ Cubic Reader::profile_over(const std::vector<Record>& records, const Placed& pla
   const Cubic result = shifted(holds->cubic, std::abs(by) <= kSamePlace_m ? 0 : by);
   const Cubic::Range range = result.range(placed.segment.arc_m);
   if (!(std::abs(range.low) <= kGreatestProfile_m && std::abs(range.high) <= kGreatestProfile_m) && !error_) {
-    error_ = Error{ErrorCode::kData, std::string("the ") + what + " is beyond 1e6 m", file_, holds->line, element_};
+    error_ = Error{ErrorCode::kData, std::string("the ") + what + " is beyond 1e6 m", file_, holds->line,
+                   element_};
   }
   return result;
 }
@@ -339,9 +359,12 @@ std::vector<Record> Reader::read_lane(pugi::xml_node side, const char* id) {
   if (type != "driving") unsupported(lane, "a lane of type \"" + type + "\" is");
   for (const pugi::xml_node part : lane.children()) {
     const std::string name = part.name();
-    if (name == "border") unsupported(part, "a lane <border> is");
-    else if (name == "roadMark" && std::strcmp(part.attribute("type").value(), "solid")) note(part, "road marks are not kept: edges become solid, the centre broken");
-    else if (name != "width" && name != "roadMark" && name != "link") note(part, "<" + name + "> of lanes is not kept");
+    if (name == "border")
+      unsupported(part, "a lane <border> is");
+    else if (name == "roadMark" && std::strcmp(part.attribute("type").value(), "solid"))
+      note(part, "road marks are not kept: edges become solid, the centre broken");
+    else if (name != "width" && name != "roadMark" && name != "link")
+      note(part, "<" + name + "> of lanes is not kept");
   }
   return read_records(lane, "width", "sOffset");
 }
@@ -351,21 +374,27 @@ std::vector<Record> Reader::read_widths(pugi::xml_node node) {
   if (failed()) return {};
   refuse_lane_offset(lanes);
   const pugi::xml_node section = child(lanes, "laneSection");
-  if (section.next_sibling("laneSection")) unsupported(section.next_sibling("laneSection"), "more than one lane section is");
+  if (section.next_sibling("laneSection"))
+    unsupported(section.next_sibling("laneSection"), "more than one lane section is");
   if (failed()) return {};
-  if (!section.child("left") || !section.child("right")) unsupported(section, "a road without lanes on both sides is");
+  if (!section.child("left") || !section.child("right"))
+    unsupported(section, "a road without lanes on both sides is");
   const pugi::xml_node mark = section.child("center").child("lane").child("roadMark");
-  if (mark && std::strcmp(mark.attribute("type").value(), "broken")) note(mark, "road marks are not kept: edges become solid, the centre broken");
+  if (mark && std::strcmp(mark.attribute("type").value(), "broken"))
+    note(mark, "road marks are not kept: edges become solid, the centre broken");
   if (failed()) return {};
 
-  const std::vector<Record> left = read_lane(section.child("left"), "1"), right = read_lane(section.child("right"), "-1");
+  const std::vector<Record> left = read_lane(section.child("left"), "1"),
+                            right = read_lane(section.child("right"), "-1");
   if (failed()) return {};
   const auto same = [](const Record& a, const Record& b) {
-    return a.s_m == b.s_m && a.cubic.c0 == b.cubic.c0 && a.cubic.c1 == b.cubic.c1 && a.cubic.c2 == b.cubic.c2 &&
-           a.cubic.c3 == b.cubic.c3;
+    return a.s_m == b.s_m && a.cubic.c0 == b.cubic.c0 && a.cubic.c1 == b.cubic.c1 &&
+           a.cubic.c2 == b.cubic.c2 && a.cubic.c3 == b.cubic.c3;
   };
-  if (!std::equal(left.begin(), left.end(), right.begin(), right.end(), same)) unsupported(section, "lanes of different widths on the two sides are");
-  if (!failed() && (left.empty() || left.front().s_m > kSamePlace_m)) fail(ErrorCode::kParse, section, "a lane has no <width> at its start");
+  if (!std::equal(left.begin(), left.end(), right.begin(), right.end(), same))
+    unsupported(section, "lanes of different widths on the two sides are");
+  if (!failed() && (left.empty() || left.front().s_m > kSamePlace_m))
+    fail(ErrorCode::kParse, section, "a lane has no <width> at its start");
   return left;
 }
 
@@ -430,9 +459,12 @@ Result<Network> Reader::read(Diagnostics* diagnostics) {
   for (const pugi::xml_node node : root.children()) {
     element_.clear();
     const std::string name = node.name();
-    if (name == "junction") unsupported(node, "<junction> is");
-    else if (name == "road") read_road(node);
-    else if (name != "header") note(node, "<" + name + "> is not kept");
+    if (name == "junction")
+      unsupported(node, "<junction> is");
+    else if (name == "road")
+      read_road(node);
+    else if (name != "header")
+      note(node, "<" + name + "> is not kept");
     if (failed()) return *error_;
     if (name == "road" && !ids.insert(network_.roads.back().id).second) {
       fail(ErrorCode::kParse, node, "the id is used twice");
@@ -442,7 +474,8 @@ Result<Network> Reader::read(Diagnostics* diagnostics) {
   if (network_.roads.empty()) return Error{ErrorCode::kData, "holds no roads", file_};
   if (diagnostics) {
     for (const auto& [what, seen] : notes_) {
-      const std::string times = seen.count > 1 ? " (" + std::to_string(seen.count) + " times, first here)" : "";
+      const std::string times =
+          seen.count > 1 ? " (" + std::to_string(seen.count) + " times, first here)" : "";
       diagnostics->push_back({Severity::kWarning, what + times, file_, seen.line, seen.element});
     }
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <glm/geometric.hpp>
 
 namespace roadgen {
@@ -36,13 +35,16 @@ Result<Segment> segment_from_cubic(const ParametricCubic& curve) {
   // Along the chord the curve must be linear in p: no part of c and d.
   const double ahead = (std::abs(glm::dot(chord, curve.c_m)) + std::abs(glm::dot(chord, curve.d_m))) / length;
   if (ahead > kGraphTolerance_m) {
-    return Error{ErrorCode::kGeometry, "a paramPoly3 that is not the graph of a cubic over its chord is not supported yet"};
+    return Error{ErrorCode::kGeometry,
+                 "a paramPoly3 that is not the graph of a cubic over its chord is not supported yet"};
   }
   const glm::dvec2 tangent = curve.b_m + 2.0 * curve.c_m + 3.0 * curve.d_m;
   segment.slope_start = cross(chord, curve.b_m) / glm::dot(chord, curve.b_m);
   segment.slope_end = cross(chord, tangent) / glm::dot(chord, tangent);
   if (!(std::abs(segment.slope_start) <= kSteepestSlope && std::abs(segment.slope_end) <= kSteepestSlope)) {
-    return Error{ErrorCode::kGeometry, "the paramPoly3 turns by nearly 90 degrees or more from its chord, which is not supported yet"};
+    return Error{
+        ErrorCode::kGeometry,
+        "the paramPoly3 turns by nearly 90 degrees or more from its chord, which is not supported yet"};
   }
   set_arc(segment);
   return segment;
