@@ -14,6 +14,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Samples of a segment that misses are weighted anew this often before an anchor is added.
 constexpr int kMostTries = 2;
+// The first guess leaves room below the error allowed, for the joints between its cubics.
+constexpr double kGuessShare = 0.7;
 // Nodes farther than this from a changed one stay where they are.
 constexpr std::size_t kReach = 4;
 // After so many rounds all samples of a segment that still misses become anchors, so that the rest ends soon.
@@ -22,6 +24,11 @@ constexpr int kMostRounds = 60;
 // Removal: nodes on each side that may move, and how often they are weighted anew.
 constexpr std::size_t kRemovalReach = 3;
 constexpr int kRemovalTries = 3;
+// A segment that misses by more than this, in the error allowed, is not mended by weights.
+constexpr double kMendable = 3;
+// Share of a segment's chord below which its end is moved rather than a node added.
+constexpr double kStub = 0.15;
+constexpr double kMostBendingGrowth = 1.05;
 
 glm::dvec2 direction(double heading_rad) { return {std::cos(heading_rad), std::sin(heading_rad)}; }
 
@@ -99,16 +106,18 @@ Node CurveFit::new_node(std::size_t sample) {
 
 // Heading at a sample, from those between the two others. Requires: before <= sample <= after.
 double CurveFit::guessed_heading(std::size_t before, std::size_t sample, std::size_t after) const {
+  const std::size_t n = count();
+  if (options_.closed && sample == 0) before += n, sample += n, after += n;
   // At the edge of a run the neighbours decide, so that both sides count.
-  if (before == sample && before > 0) --before;
-  if (after == sample && after + 1 < position_m_.size()) ++after;
+  before = std::min(before, sample > 0 ? sample - 1 : 0);
+  after = std::max(after, std::min(sample + 1, position_m_.size() - 1));
   return local_heading(std::span(position_m_).subspan(before, after - before + 1), sample - before);
 }
 
 void CurveFit::place_first_nodes() {
   const std::size_t n = count();
   const std::size_t last = options_.closed ? n : n - 1;
-  std::vector<std::size_t> at = thin(std::span(position_m_).first(last + 1), limit_m_);
+  std::vector<std::size_t> at = thin(std::span(position_m_).first(last + 1), kGuessShare * limit_m_);
   // A loop needs three joints to have an inside.
   while (options_.closed && at.size() - 1 < std::min<std::size_t>(n, 3)) {
     std::size_t widest = 0;
@@ -118,8 +127,8 @@ void CurveFit::place_first_nodes() {
     at.insert(at.begin() + static_cast<std::ptrdiff_t>(widest) + 1, (at[widest] + at[widest + 1]) / 2);
   }
   for (std::size_t i = 0; i < at.size() - (options_.closed ? 1 : 0); ++i) {
-    const bool wraps = options_.closed && i == 0;
     Node node = new_node(at[i]);
+    const bool wraps = options_.closed && i == 0;
     const std::size_t here = wraps ? n : at[i], before = wraps ? at[at.size() - 2] : at[i == 0 ? 0 : i - 1];
     const std::size_t after = wraps ? n + at[1] : at[std::min(i + 1, at.size() - 1)];
     node.joint.heading_rad = guessed_heading(before, here, after);
@@ -134,9 +143,11 @@ Division CurveFit::division(const Node& from, const Node& to) const {
   return divide(stretch, 0, 1, std::max(from.half_width_m, to.half_width_m), options_.mapping_tolerance);
 }
 
-CurveFit::Miss CurveFit::miss(const Node& from, const Node& to) const {
+CurveFit::Miss CurveFit::measure(Node& from, const Node& to) const {
   const auto samples = samples_of(from, to);
   const Division d = division(from, to);
+  from.bending = bending(d);
+  from.fits = false;
   const Miss impassable{kInfinity, from.begin + samples.size() / 2};
   if (!d.cusps.empty()) return impassable;
   for (const Piece& piece : d.pieces) {
@@ -147,6 +158,7 @@ CurveFit::Miss CurveFit::miss(const Node& from, const Node& to) const {
     const double distance = distance_m(d, samples[i]);
     if (distance > worst.distance_m) worst = {distance, from.begin + i};
   }
+  from.fits = worst.distance_m <= limit_m_;
   return worst;
 }
 
@@ -290,8 +302,7 @@ bool CurveFit::settle(Node& node) {
   if (joint.fixed_position && joint.fixed_heading) return false;
   if (joint.fixed_position) {
     joint.fixed_heading = true;
-    const std::size_t sample = options_.closed && node.sample == 0 ? count() : node.sample;
-    joint.heading_rad = guessed_heading(sample, sample, sample);
+    joint.heading_rad = guessed_heading(node.sample, node.sample, node.sample);
   }
   joint.position_m = position_m_[node.sample];
   joint.fixed_position = node.changed = true;
@@ -300,12 +311,11 @@ bool CurveFit::settle(Node& node) {
 
 // Adds what helps a segment that misses: weights, an anchor, or all its samples. False where nothing is left to do.
 bool CurveFit::improve_segment(Node& from, Node& to, int round, std::vector<Node>& added) {
-  const Miss worst = miss(from, to);
-  from.fits = worst.distance_m <= limit_m_;
+  const Miss worst = measure(from, to);
   if (from.fits) return false;
   const std::size_t size = samples_of(from, to).size(), sample = worst.sample % count();
   const bool fit = options_.tangents == TangentSource::kFit;
-  if (fit && from.tries < kMostTries && size > 2 && worst.distance_m < 3 * limit_m_) {
+  if (fit && from.tries < kMostTries && size > 2 && worst.distance_m < kMendable * limit_m_) {
     ++from.tries;
     from.changed = to.changed = true;
     weigh(from, to);
@@ -333,9 +343,25 @@ bool CurveFit::improve_segment(Node& from, Node& to, int round, std::vector<Node
     }
     return any;
   }
+  if (reseat(from, to, sample)) return true;
   added.push_back(new_node(worst.sample));
   added.back().joint.heading_rad = guessed_heading(from.begin, worst.sample, from.begin + size - 1);
   return true;
+}
+
+// Puts the nearer end of the segment on a sample beside it, where a node of its own would make a stub and a kink.
+bool CurveFit::reseat(Node& from, Node& to, std::size_t sample) {
+  const double stub_m = kStub * glm::length(to.joint.position_m - from.joint.position_m);
+  for (Node* node : {&from, &to}) {
+    const bool at_end = !options_.closed && (node == &nodes_.front() || node == &nodes_.back());
+    if (at_end || node->joint.fixed_position) continue;
+    if (glm::length(node->joint.position_m - position_m_[sample]) > stub_m) continue;
+    taken_[node->sample] = 0;
+    taken_[sample] = 1;
+    node->sample = sample;
+    return settle(*node);
+  }
+  return false;
 }
 
 bool CurveFit::improve(int round) {
@@ -357,67 +383,73 @@ bool CurveFit::improve(int round) {
 
 // Nodes that the others can do without are taken out, each with a solve around it.
 void CurveFit::remove_spare() {
-  const std::size_t least = options_.closed ? 4 : 3;
-  for (bool again = true; again && nodes_.size() >= least;) {
+  const std::size_t least = options_.closed ? 4 : 3, margin = options_.closed ? 0 : 1;
+  for (bool again = true; again;) {
     again = false;
-    for (std::size_t k = options_.closed ? 0 : 1; k + (options_.closed ? 0 : 1) < nodes_.size();) {
-      if (nodes_.size() >= least && try_remove(k)) again = true;
-      else ++k;
+    for (std::size_t k = margin; k + margin < nodes_.size();) {
+      if (nodes_.size() < least) return;
+      // Once in vain is enough, unless a neighbour went since.
+      const bool removed = !nodes_[k].stays && try_remove(k);
+      again = again || removed;
+      if (!removed) nodes_[k++].stays = true;
     }
   }
 }
 
+// The nodes around one that is to go, without it; they are indices into nodes_.
+CurveFit::Window CurveFit::window_around(std::size_t node) const {
+  const std::size_t m = nodes_.size(), reach = kRemovalReach + 1;
+  Window window;
+  window.whole = options_.closed && m <= 2 * reach + 1;
+  for (std::size_t k = 0; k < (window.whole ? m : 2 * reach + 1); ++k) {
+    if (!options_.closed && (node + k < reach || node + k - reach >= m)) continue;
+    const std::size_t i = window.whole ? k : (node + k + m - reach) % m;
+    if (i + 1 != m || options_.closed) window.bending += nodes_[i].bending;
+    if (i != node) window.at.push_back(i);
+  }
+  window.front_stays = !window.whole && (options_.closed || window.at.front() != 0);
+  window.back_stays = !window.whole && (options_.closed || window.at.back() + 1 != m);
+  if (window.back_stays) window.bending -= nodes_[window.at.back()].bending;  // of the segment beyond
+  return window;
+}
+
 bool CurveFit::try_remove(std::size_t node) {
-  const std::size_t m = nodes_.size();
-  const bool whole = options_.closed && m <= 2 * kRemovalReach + 3;
-  // The window: nodes that may move, and one more on each side that stays.
-  std::vector<std::size_t> at;
-  const std::size_t reach = kRemovalReach + 1;
-  for (std::size_t k = 0; k < (whole ? m : 2 * reach + 1); ++k) {
-    if (!whole && !options_.closed && (node + k < reach || node + k - reach >= m)) continue;
-    const std::size_t i = whole ? k : (node + k + m - reach) % m;
-    if (i != node) at.push_back(i);
-  }
+  const std::size_t before = node == 0 ? nodes_.size() - 1 : node - 1;
+  if (!is_graph(nodes_[before], nodes_[following(node)])) return false;
+  const ChordFit guess = chord_fit(samples_of(nodes_[before], nodes_[following(node)]));
+  if (guess.error_m > kMendable * limit_m_) return false;
+
+  const Window window = window_around(node);
   std::vector<Node> nodes;
-  for (const std::size_t i : at) nodes.push_back(nodes_[i]);
-  const std::size_t before = node == 0 ? m - 1 : node - 1, after = following(node);
-  if (!is_graph(nodes_[before], nodes_[after])) return false;
-  // bent more than before: between sparse samples that is swinging
-  std::vector<Node> old;
-  double most=0; { std::vector<std::size_t> all = at; 
-   for (std::size_t k = 0; k < (whole ? m : 2 * reach + 1); ++k) {
-    if (!whole && !options_.closed && (node + k < reach || node + k - reach >= m)) continue;
-    old.push_back(nodes_[whole ? k : (node + k + m - reach) % m]); }
-   for (std::size_t k = 0; k < old.size() - (whole?0:1); ++k) most += bending(division(old[k], old[k+1==old.size()?0:k+1]));
-  }
-  const Joint front = nodes.front().joint, back = nodes.back().joint;
-  const bool front_stays = !whole && (options_.closed || at.front() != 0);
-  const bool back_stays = !whole && (options_.closed || at.back() + 1 != m);
-  if (front_stays) nodes.front().joint.fixed_position = nodes.front().joint.fixed_heading = true;
-  if (back_stays) nodes.back().joint.fixed_position = nodes.back().joint.fixed_heading = true;
-  const bool back_fits = nodes.back().fits;
+  for (const std::size_t i : window.at) nodes.push_back(nodes_[i]);
+  const Node front = nodes.front(), back = nodes.back();
+  if (window.front_stays) nodes.front().joint.fixed_position = nodes.front().joint.fixed_heading = true;
+  if (window.back_stays) nodes.back().joint.fixed_position = nodes.back().joint.fixed_heading = true;
+  const std::size_t segments = nodes.size() - (window.whole ? 0 : 1);
+  const auto after = [&](std::size_t k) -> Node& { return nodes[k + 1 == nodes.size() ? 0 : k + 1]; };
   for (int tries = 0; tries < kRemovalTries; ++tries) {
-    solve(nodes, whole);
-    double worst = 0, bent = 0;
-    const std::size_t segments = nodes.size() - (whole ? 0 : 1);
-    for (std::size_t k = 0; k < segments; ++k) {
-      const Node& to = nodes[k + 1 == nodes.size() ? 0 : k + 1];
-      worst = std::max(worst, miss(nodes[k], to).distance_m);
-      bent += bending(division(nodes[k], to));
+    solve(nodes, window.whole);
+    double worst = 0, bending = 0;
+    for (std::size_t k = 0; k < segments && worst <= kMendable * limit_m_; ++k) {
+      worst = std::max(worst, measure(nodes[k], after(k)).distance_m);
+      bending += nodes[k].bending;
     }
-    static double B=getenv("B")?atof(getenv("B")):1.05;
-    if (worst <= limit_m_ && bent > most * B + 1e-9) return false;
-    if (worst <= limit_m_) {
-      for (std::size_t k = 0; k < segments; ++k) nodes[k].fits = true;
-      if (front_stays) nodes.front().joint = front;
-      if (back_stays) nodes.back().joint = back, nodes.back().fits = back_fits;
-      for (std::size_t k = 0; k < at.size(); ++k) nodes_[at[k]] = nodes[k];
-      taken_[nodes_[node].sample] = 0;
-      nodes_.erase(nodes_.begin() + static_cast<std::ptrdiff_t>(node));
-      return true;
+    if (worst > kMendable * limit_m_) return false;
+    if (worst > limit_m_) {
+      for (std::size_t k = 0; k < segments; ++k) weigh(nodes[k], after(k));
+      continue;
     }
-    if (worst > 3 * limit_m_) break;
-    for (std::size_t k = 0; k < segments; ++k) weigh(nodes[k], nodes[k + 1 == nodes.size() ? 0 : k + 1]);
+    // Within the error but bent more than before: it would swing between the samples.
+    if (bending > kMostBendingGrowth * window.bending) return false;
+    if (window.front_stays) nodes.front().joint = front.joint;
+    if (window.back_stays) nodes.back() = back;
+    for (std::size_t k = 0; k < window.at.size(); ++k) {
+      nodes_[window.at[k]] = nodes[k];
+      nodes_[window.at[k]].stays = false;
+    }
+    taken_[nodes_[node].sample] = 0;
+    nodes_.erase(nodes_.begin() + static_cast<std::ptrdiff_t>(node));
+    return true;
   }
   return false;
 }

@@ -21,7 +21,9 @@ struct Node {
   std::size_t begin = 0;   // first sample of the segment that starts here; the last node of an open road: all samples
   int tries = 0;           // how often the samples of that segment were weighted anew
   bool changed = true;     // added, pinned or weighted since the last solve
+  bool stays = false;      // its removal was tried in vain
   bool fits = false;       // the segment was measured since it moved, and is within the error
+  double bending = 0;      // integral of its squared curvature when it was measured
 };
 
 class CurveFit {
@@ -46,13 +48,20 @@ class CurveFit {
     std::size_t sample = 0;  // where; up to twice the number of samples
   };
 
+  struct Window {
+    std::vector<std::size_t> at;  // indices of the nodes that stay, in order
+    bool whole = false;           // all nodes of a closed road
+    bool front_stays = false, back_stays = false;
+    double bending = 0;           // of the segments between, before the removal
+  };
+
   std::size_t count() const { return half_width_m_.size(); }
   std::size_t segment_count() const { return nodes_.size() - (options_.closed ? 0 : 1); }
   std::size_t following(std::size_t node) const { return node + 1 == nodes_.size() ? 0 : node + 1; }
   std::size_t end_of(const Node& from, const Node& to) const;
   std::span<const glm::dvec2> samples_of(const Node& from, const Node& to) const;
   Division division(const Node& from, const Node& to) const;
-  Miss miss(const Node& from, const Node& to) const;
+  Miss measure(Node& from, const Node& to) const;
   Node new_node(std::size_t sample);
   double guessed_heading(std::size_t before, std::size_t sample, std::size_t after) const;
 
@@ -67,8 +76,10 @@ class CurveFit {
   bool improve(int round);
   bool improve_segment(Node& from, Node& to, int round, std::vector<Node>& added);
   bool settle(Node& node);
+  bool reseat(Node& from, Node& to, std::size_t sample);
   void weigh(const Node& from, const Node& to);
   void remove_spare();
+  Window window_around(std::size_t node) const;
   bool try_remove(std::size_t node);
 
   const FitOptions options_;

@@ -20,39 +20,50 @@ constexpr double kMostShift = 0.25;
 
 using std::isfinite;
 
-using Jet = ceres::Jet<double, 6>;
+// Derivatives by the parameters of the two joints, and by the arguments (x, y, a, b) of the road function.
+using JointJet = ceres::Jet<double, 6>;
+using RoadJet = ceres::Jet<double, 4>;
 
 double scalar(double x) { return x; }
-double scalar(const Jet& x) { return x.a; }
+double scalar(const JointJet& x) { return x.a; }
 
-// A segment in the parameters of its two joints, each (x, y, heading).
+// The graph cubic between two joints, each (x, y, heading).
 template <class Real>
 struct Graph {
-  using Vec2 = glm::vec<2, Real>;
-  Vec2 start, chord;
   Real length, slope_start, slope_end;
   bool usable = false;
 
-  Graph(const Real* from, const Real* to) : start(from[0], from[1]), chord(to[0] - from[0], to[1] - from[1]) {
+  Graph(const Real* from, const Real* to) {
     using std::cos, std::sin, std::sqrt;
-    const Real length2 = chord.x * chord.x + chord.y * chord.y;
+    const Real x = to[0] - from[0], y = to[1] - from[1], length2 = x * x + y * y;
     if (!(scalar(length2) > 0)) return;
     length = sqrt(length2);
     const auto slope = [&](const Real& heading, Real& out) {
-      const Real c = cos(heading), s = sin(heading);
-      const Real along = chord.x * c + chord.y * s;
+      const Real c = cos(heading), s = sin(heading), along = x * c + y * s;
       if (!(scalar(along) > kLeastCosine * scalar(length))) return false;
-      out = (chord.x * s - chord.y * c) / along;
+      out = (x * s - y * c) / along;
       return true;
     };
     usable = slope(from[2], slope_start) && slope(to[2], slope_end);
   }
+};
 
-  // Signed distance of a point in metres: the road function's own v.
-  Real distance(glm::dvec2 p) const {
-    const Real dx = p.x - start.x, dy = p.y - start.y, length2 = length * length;
-    const Real x = (dx * chord.x + dy * chord.y) / length2, y = (dy * chord.x - dx * chord.y) / length2;
-    return glsl::Library<Real>::road_project(x, y, slope_start, slope_end).v * length;
+// A point in the chord frame of two joints.
+struct ChordPoint {
+  double x, y;
+  glm::dvec2 x_by_end, y_by_end;      // derivatives by the position of the end joint
+  glm::dvec2 x_by_start, y_by_start;  // and of the start joint
+
+  ChordPoint(glm::dvec2 point, glm::dvec2 start, glm::dvec2 end) {
+    const glm::dvec2 c = end - start, d = point - start;
+    const double length2 = c.x * c.x + c.y * c.y;
+    x = (d.x * c.x + d.y * c.y) / length2;
+    y = (d.y * c.x - d.x * c.y) / length2;
+    x_by_end = (d - 2 * x * c) / length2;
+    y_by_end = (glm::dvec2(d.y, -d.x) - 2 * y * c) / length2;
+    // Moving both joints moves the point the other way, by 1 / L along and across the chord.
+    x_by_start = -x_by_end - c / length2;
+    y_by_start = -y_by_end - glm::dvec2(-c.y, c.x) / length2;
   }
 };
 
@@ -65,38 +76,45 @@ class DistanceCost : public ceres::CostFunction {
   }
 
   bool Evaluate(const double* const* joints, double* residuals, double** jacobians) const override {
-    if (!jacobians) return evaluate_values(joints, residuals);
-    Jet from[3], to[3];
+    const glm::dvec2 start(joints[0][0], joints[0][1]), end(joints[1][0], joints[1][1]);
+    JointJet from[3], to[3];
     for (int i = 0; i < 3; ++i) {
-      from[i] = Jet(joints[0][i], i);
-      to[i] = Jet(joints[1][i], i + 3);
+      from[i] = JointJet(joints[0][i], i);
+      to[i] = JointJet(joints[1][i], i + 3);
     }
-    const Graph<Jet> graph(from, to);
+    const Graph<JointJet> graph(from, to);
     if (!graph.usable) return false;
     for (std::size_t k = 0; k < samples_.position_m.size(); ++k) {
-      Jet r = graph.distance(samples_.position_m[k]) * samples_.weight[k];
-      if (!std::isfinite(r.a)) return false;
+      const ChordPoint p(samples_.position_m[k], start, end);
+      const double scale = samples_.weight[k] * graph.length.a;
+      if (!jacobians) {
+        residuals[k] =
+            scale * glsl::Library<double>::road_project(p.x, p.y, graph.slope_start.a, graph.slope_end.a).v;
+        if (!std::isfinite(residuals[k])) return false;
+        continue;
+      }
+      const RoadJet v = glsl::Library<RoadJet>::road_project(RoadJet(p.x, 0), RoadJet(p.y, 1),
+                                                             RoadJet(graph.slope_start.a, 2),
+                                                             RoadJet(graph.slope_end.a, 3)).v;
+      residuals[k] = scale * v.a;
+      if (!std::isfinite(v.a)) return false;
+      // The chain rule, from the arguments of the road function to the joints.
+      Eigen::Matrix<double, 6, 1> g = v.v[2] * graph.slope_start.v + v.v[3] * graph.slope_end.v;
+      g[0] += v.v[0] * p.x_by_start.x + v.v[1] * p.y_by_start.x;
+      g[1] += v.v[0] * p.x_by_start.y + v.v[1] * p.y_by_start.y;
+      g[3] += v.v[0] * p.x_by_end.x + v.v[1] * p.y_by_end.x;
+      g[4] += v.v[0] * p.x_by_end.y + v.v[1] * p.y_by_end.y;
+      g = scale * g + samples_.weight[k] * v.a * graph.length.v;
       // Far from the footprint equation 3 has no root, and its square root no slope: such a sample does not pull.
-      if (!r.v.allFinite()) r.v.setZero();
-      residuals[k] = r.a;
-      for (int block = 0; block < 2; ++block) {
-        for (int i = 0; jacobians[block] && i < 3; ++i) jacobians[block][3 * k + i] = r.v[3 * block + i];
+      if (!g.allFinite()) g.setZero();
+      for (int i = 0; i < 6; ++i) {
+        if (double* block = jacobians[i / 3]) block[3 * k + i % 3] = g[i];
       }
     }
     return true;
   }
 
  private:
-  bool evaluate_values(const double* const* joints, double* residuals) const {
-    const Graph<double> graph(joints[0], joints[1]);
-    if (!graph.usable) return false;
-    for (std::size_t k = 0; k < samples_.position_m.size(); ++k) {
-      residuals[k] = graph.distance(samples_.position_m[k]) * samples_.weight[k];
-      if (!std::isfinite(residuals[k])) return false;
-    }
-    return true;
-  }
-
   SegmentSamples samples_;
 };
 

@@ -1,0 +1,123 @@
+// roadgen import: measured centre lines to an OpenDRIVE network.
+#include "roadgen/import/import.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "roadgen/cli/command.h"
+#include "roadgen/export/atomic_file.h"
+#include "roadgen/export/opendrive.h"
+#include "roadgen/import/text_file.h"
+
+namespace roadgen::cli {
+namespace {
+
+constexpr const char* kName = "roadgen import";
+
+struct Options {
+  std::vector<std::string> sources;
+  std::string output, report, origin, tangents = "fit", closed = "auto";
+  ImportOptions import;
+};
+
+// "LAT,LON" or "LAT,LON,H".
+Result<Georeference> parse_origin(const std::string& text) {
+  std::vector<double> numbers;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    const std::optional<double> number = parse_number(std::string_view(text).substr(start, end - start));
+    if (!number) break;
+    numbers.push_back(*number);
+    start = end + 1;
+    if (end == text.size() && numbers.size() >= 2 && numbers.size() <= 3) {
+      return Georeference{numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] : 0};
+    }
+  }
+  return Error{ErrorCode::kUsage,
+               "--origin " + text + ": expected LAT,LON or LAT,LON,H in degrees and metres"};
+}
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("SRC", o.sources,
+                 "Files: .csv (lat,lon or x,y [,height][,width], with a header line), .gpx, .geojson, .kml, "
+                 ".shp, .gpkg. "
+                 "One road for each line in them")
+      ->required();
+  app.add_option("-o,--output", o.output, "OpenDRIVE file to write")->required();
+  app.add_option("--origin", o.origin,
+                 "LAT,LON[,H]: where the local frame stands, degrees and metres. Default: centre of the data "
+                 "at height 0");
+  app.add_option("--max-error", o.import.max_error_m, "Greatest allowed distance of a point from the road, m")
+      ->capture_default_str();
+  app.add_option("--tangents", o.tangents,
+                 "fit: least squares; catmull-rom: through points, tangents from neighbours")
+      ->check(CLI::IsMember({"fit", "catmull-rom"}))
+      ->capture_default_str();
+  app.add_option("--width", o.import.width_m, "Width of the whole road where the file has none, m")
+      ->capture_default_str();
+  app.add_option("--closed", o.closed, "auto, yes or no: whether a line is a loop")
+      ->check(CLI::IsMember({"auto", "yes", "no"}))
+      ->capture_default_str();
+  app.add_option("--report", o.report, "JSON file for certificates and diagnostics; - for standard output");
+}
+
+Status settle(Options& o) {
+  if (!o.origin.empty()) {
+    const Result<Georeference> origin = parse_origin(o.origin);
+    if (!origin) return origin.error();
+    o.import.origin = *origin;
+  }
+  o.import.tangents = o.tangents == "fit" ? TangentSource::kFit : TangentSource::kCatmullRom;
+  o.import.closed = o.closed == "auto" ? Closed::kAuto : o.closed == "yes" ? Closed::kYes : Closed::kNo;
+
+  // Before the work, not after it.
+  std::error_code ignored;
+  for (const std::string& source : o.sources) {
+    if (std::filesystem::equivalent(source, o.output, ignored)) {
+      return Error{ErrorCode::kUsage, "is a source and the output: name another output", o.output};
+    }
+  }
+  if (Status status = check_writable(o.output); !status) return status;
+  return o.report.empty() || o.report == "-" ? Status(Done{}) : check_writable(o.report);
+}
+
+void print_certificates(const ImportResult& result) {
+  fmt::print(stderr, "{:>4} {:28} {:>6} {:>10} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}\n", "road", "name",
+             "closed", "length m", "points", "segm.", "max m", "rms m", "bound m", "height m");
+  for (std::size_t i = 0; i < result.certificates.size(); ++i) {
+    const Certificate& c = result.certificates[i];
+    fmt::print(stderr, "{:>4} {:28.28} {:>6} {:>10.2f} {:>7} {:>7} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.3f}\n",
+               c.id, result.network.roads[i].name, c.closed ? "yes" : "no", c.length_m, c.samples, c.segments,
+               c.max_error_m, c.rms_error_m, c.bound_m, c.max_elevation_error_m);
+  }
+}
+
+}  // namespace
+
+int run_import(const Arguments& arguments) {
+  CLI::App app("Fits roads to measured centre lines and writes them as OpenDRIVE 1.7.", kName);
+  Options o;
+  declare(app, o);
+  if (const auto code = parse(app, arguments)) return *code;
+  if (Status status = settle(o); !status) return fail(kName, status.error());
+
+  ProgressLine progress;
+  const Result<ImportResult> result = import_files(
+      o.sources, o.import, [&](double part, const std::string& what) { progress.show(part, what); });
+  progress.clear();
+  if (!result) return fail(kName, result.error());
+
+  if (Status status = write_opendrive(result->network, o.output); !status) return fail(kName, status.error());
+  if (!o.report.empty()) {
+    if (Status status = put_out(import_report(*result, o.import), o.report); !status)
+      return fail(kName, status.error());
+  }
+  print_diagnostics(result->diagnostics,
+                    o.report.empty() ? "; --report FILE lists them" : ", in " + o.report);
+  print_certificates(*result);
+  return kExitDone;
+}
+
+}  // namespace roadgen::cli

@@ -1,0 +1,53 @@
+#include <nlohmann/json.hpp>
+
+#include "roadgen/import/import.h"
+#include "roadgen/import/local_frame.h"
+
+namespace roadgen {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json certificate_json(const Certificate& c, const Road& road) {
+  return {{"id", c.id},
+          {"name", road.name},
+          {"closed", c.closed},
+          {"length_m", c.length_m},
+          {"samples", c.samples},
+          {"anchors", c.anchors},
+          {"segments", c.segments},
+          {"max_error_m", c.max_error_m},
+          {"rms_error_m", c.rms_error_m},
+          {"bound_m", c.bound_m},
+          {"max_elevation_error_m", c.max_elevation_error_m},
+          {"max_heading_jump_rad", c.max_heading_jump_rad},
+          {"max_curvature_jump_per_m", c.max_curvature_jump_per_m}};
+}
+
+}  // namespace
+
+std::string import_report(const ImportResult& result, const ImportOptions& options) {
+  Json report;
+  if (const auto& origin = result.network.georeference) {
+    report["origin"] = {{"latitude_deg", origin->latitude_deg},
+                        {"longitude_deg", origin->longitude_deg},
+                        {"height_m", origin->height_m}};
+    report["length_distortion"] = length_distortion(result.greatest_distance_m);
+  }
+  report["allowed_error_m"] = options.max_error_m;
+  report["roads"] = Json::array();
+  for (std::size_t i = 0; i < result.certificates.size(); ++i) {
+    report["roads"].push_back(certificate_json(result.certificates[i], result.network.roads[i]));
+  }
+  report["diagnostics"] = Json::array();
+  for (const Diagnostic& d : result.diagnostics) {
+    report["diagnostics"].push_back({{"severity", severity_name(d.severity)},
+                                     {"file", d.file},
+                                     {"line", d.line},
+                                     {"element", d.element},
+                                     {"message", d.message}});
+  }
+  return report.dump(2) + "\n";
+}
+
+}  // namespace roadgen

@@ -1,0 +1,37 @@
+// Whole input files as text, with the checks that every text format wants.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "roadgen/road/result.h"
+
+namespace roadgen {
+
+// The bytes of a regular file. Errors: kIo where it is missing, a folder, unreadable or empty.
+Result<std::string> read_file(const std::string& path);
+
+// Error kParse with the line of the first byte that is not UTF-8, or of the first NUL.
+Status check_utf8(std::string_view text, const std::string& file);
+
+// Lines of a text by byte offset. Cost: O(size) to make, O(log lines) to ask.
+class LineIndex {
+ public:
+  explicit LineIndex(std::string_view text);
+  int line(std::ptrdiff_t offset) const;  // 1-based; negative offsets count as 0
+
+ private:
+  std::vector<std::ptrdiff_t> newlines_;
+};
+
+// A number in C notation with nothing else but blanks around it, whatever the locale; nan and inf are
+// numbers.
+std::optional<double> parse_number(std::string_view text);
+
+// The text without blanks, tabs and carriage returns at both ends.
+std::string_view trimmed(std::string_view text);
+
+}  // namespace roadgen
