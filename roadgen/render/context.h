@@ -51,7 +51,7 @@ class Context {
   // Errors: kContext: what failed and what to do.
   static Result<std::unique_ptr<Context>> create(const ContextOptions& options);
 
-  // Releases the context. OpenGL objects made in it are gone.
+  // Ends the context; OpenGL objects made in it are gone. If another one is current, it stays so.
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
