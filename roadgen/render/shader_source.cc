@@ -72,7 +72,9 @@ class Expander {
  private:
   Status include(const std::string& name, int line) {
     const std::string from = kFolder + stack_.back();
-    if (name.empty()) return Error{ErrorCode::kShader, "malformed #include; write #include \"lib/road.glsl\"", from, line};
+    if (name.empty()) {
+      return Error{ErrorCode::kShader, "malformed #include; write #include \"lib/road.glsl\"", from, line};
+    }
     if (const auto seen = std::find(stack_.begin(), stack_.end(), name); seen != stack_.end()) {
       std::string cycle;
       for (auto it = seen; it != stack_.end(); ++it) cycle += *it + " -> ";
