@@ -2,7 +2,8 @@
 # Writes a C++ file that defines embedded_shader() and embedded_shader_names() of shaders/embedded.h.
 string(REPLACE "," ";" names "${NAMES}")
 list(LENGTH names count)
-set(text "#include \"shaders/embedded.h\"\n\n#include <array>\n#include <utility>\n\nnamespace roadgen {\nnamespace {\n\n")
+set(text "#include \"shaders/embedded.h\"\n\n#include <array>\n#include <utility>\n\n")
+string(APPEND text "namespace roadgen {\nnamespace {\n\n")
 string(APPEND text "constexpr std::array<std::pair<std::string_view, std::string_view>, ${count}> kShaders = {{\n")
 foreach(name IN LISTS names)
   file(READ ${SOURCE_DIR}/${name} body)

@@ -3,6 +3,7 @@
 #include <glad/gl.h>
 
 #include <atomic>
+#include <cassert>
 #include <mutex>
 #include <optional>
 
@@ -152,9 +153,14 @@ Result<std::unique_ptr<Context>> Context::create_current(const ContextOptions& o
 }
 
 Context::~Context() {
-  if (is_current()) {
-    glFinish();
-    release_current();
+  // Nothing is current while the driver destroys: OSMesa would put aside and restore the context of another driver.
+  Context* const former = is_current() ? nullptr : current();
+  if (is_current()) glFinish();
+  release_current();
+  state_->backend.reset();
+  if (former) {
+    [[maybe_unused]] const Status status = former->make_current();
+    assert(status.ok());
   }
 }
 

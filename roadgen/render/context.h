@@ -39,19 +39,21 @@ struct ContextOptions {
 };
 
 // Keys that Context::key_down knows; letters and digits are passed as their upper-case characters.
-enum class Key : int { kEscape = 256, kEnter, kTab, kSpace, kLeft, kRight, kUp, kDown, kShift, kControl, kPageUp, kPageDown };
+enum class Key : int {
+  kEscape = 256, kEnter, kTab, kSpace, kLeft, kRight, kUp, kDown, kShift, kControl, kPageUp, kPageDown
+};
 
 struct PixelSize { int width, height; };
 struct CursorPosition { double x_px, y_px; };  // from the top left corner of the picture
 
 class Context {
  public:
-  // A new OpenGL 4.5 core context, current in this thread; on failure, the former one stays current. No state is changed
-  // from OpenGL's defaults but debug output.
+  // A new OpenGL 4.5 core context, current in this thread; on failure, the former one stays current. No state is
+  // changed from OpenGL's defaults but debug output.
   // Errors: kContext: what failed and what to do.
   static Result<std::unique_ptr<Context>> create(const ContextOptions& options);
 
-  // Releases the context. OpenGL objects made in it are gone.
+  // Ends the context; OpenGL objects made in it are gone. If another one is current, it stays so.
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -76,8 +78,8 @@ class Context {
   // The size of the default framebuffer in pixels; 0 x 0 for kEgl.
   PixelSize framebuffer_size() const;
 
-  // Messages of KHR_debug since the last call, oldest first, at most kMaxDebugMessages: errors, undefined and deprecated
-  // behaviour, and all of high severity; but for failures to compile a shader, which Program returns. Needs
+  // Messages of KHR_debug since the last call, oldest first, at most kMaxDebugMessages: errors, undefined and
+  // deprecated behaviour, and all of high severity; but for failures to compile a shader, which Program returns. Needs
   // options.debug. Tests assert that there are none.
   static constexpr int kMaxDebugMessages = 1000;
   std::vector<std::string> take_debug_messages();

@@ -66,10 +66,10 @@ Result<EGLDisplay> device_display(int index) {
   EGLint count = 0;
   query(0, nullptr, &count);
   std::vector<EGLDeviceEXT> devices(static_cast<size_t>(count));
-  query(count, devices.data(), &count);
+  if (count > 0) query(count, devices.data(), &count);
   if (index >= count) {
-    return egl_error("there is no device " + std::to_string(index),
-                     "choose one from 0 to " + std::to_string(count - 1) + ", or -1");
+    return egl_error("there is no device " + std::to_string(index) + " among the " + std::to_string(count),
+                     "choose another, numbered from 0, or -1, or use --context osmesa");
   }
   return eglGetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<size_t>(index)], nullptr);
 }
@@ -85,7 +85,8 @@ Result<EGLDisplay> surfaceless_display() {
 
 Result<std::unique_ptr<Context::Backend>> make_egl_backend(const ContextOptions& options) {
   const std::string advice = "check the driver, or use --context osmesa";
-  const Result<EGLDisplay> display = options.egl_device < 0 ? surfaceless_display() : device_display(options.egl_device);
+  const int device = options.egl_device;
+  const Result<EGLDisplay> display = device < 0 ? surfaceless_display() : device_display(device);
   if (!display) return display.error();
   if (*display == EGL_NO_DISPLAY) return egl_error("no display", advice);
   if (!eglInitialize(*display, nullptr, nullptr)) return egl_error("the display cannot be initialized", advice);

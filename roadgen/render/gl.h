@@ -29,7 +29,9 @@ class Handle {
     id_ = 0;
   }
   // The name that debuggers and messages of the driver show.
-  void label(std::string_view text) { glObjectLabel(Kind::kLabel, id_, static_cast<GLsizei>(text.size()), text.data()); }
+  void label(std::string_view text) {
+    glObjectLabel(Kind::kLabel, id_, static_cast<GLsizei>(text.size()), text.data());
+  }
 
  protected:
   explicit Handle(GLuint id) : id_(id) {}

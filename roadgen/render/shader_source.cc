@@ -1,13 +1,14 @@
 #include "roadgen/render/shader_source.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <regex>
 #include <sstream>
+#include <system_error>
 
 #include "shaders/embedded.h"
 
@@ -71,7 +72,9 @@ class Expander {
  private:
   Status include(const std::string& name, int line) {
     const std::string from = kFolder + stack_.back();
-    if (name.empty()) return Error{ErrorCode::kShader, "malformed #include; write #include \"lib/road.glsl\"", from, line};
+    if (name.empty()) {
+      return Error{ErrorCode::kShader, "malformed #include; write #include \"lib/road.glsl\"", from, line};
+    }
     if (const auto seen = std::find(stack_.begin(), stack_.end(), name); seen != stack_.end()) {
       std::string cycle;
       for (auto it = seen; it != stack_.end(); ++it) cycle += *it + " -> ";
@@ -92,18 +95,33 @@ struct LogEntry {
   std::string message;
 };
 
-// Mesa: "0:42(13): error: ..."; NVIDIA: "0(42) : error C1008: ...".
+// The number that the digits at the start of the text make, which are removed; nothing if there are none.
+std::optional<int> leading_number(std::string_view& text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc()) return std::nullopt;
+  text.remove_prefix(static_cast<size_t>(end - text.data()));
+  return number;
+}
+
+// Mesa: "0:42(13): error: ..."; NVIDIA: "0(42) : error C1008: ...". The first number is that of the source string.
+std::optional<LogEntry> log_error(std::string_view text) {
+  if (!leading_number(text) || !(text.starts_with(':') || text.starts_with('('))) return std::nullopt;
+  text.remove_prefix(1);
+  const std::optional<int> line = leading_number(text);
+  if (!line) return std::nullopt;
+  for (const std::string_view marker : {": error: ", ": preprocessor error: ", ": error ", ": fatal error "}) {
+    const size_t at = text.find(marker);
+    if (at != std::string_view::npos) return LogEntry{*line, std::string(text.substr(at + marker.size()))};
+  }
+  return std::nullopt;
+}
+
 std::vector<LogEntry> log_errors(const std::string& log) {
-  static const std::regex kMesa(R"(^\d+:(\d+)\(\d+\): (?:preprocessor )?error: (.*)$)");
-  static const std::regex kNvidia(R"(^\d+\((\d+)\) : (?:fatal )?error (.*)$)");
   std::vector<LogEntry> entries;
   std::istringstream lines(log);
   for (std::string line; std::getline(lines, line);) {
-    std::smatch match;
-    if (line.size() > 2000) line.resize(2000);  // std::regex recurses per character
-    if (std::regex_match(line, match, kMesa) || std::regex_match(line, match, kNvidia)) {
-      entries.push_back({std::atoi(match[1].str().c_str()), match[2]});
-    }
+    if (auto entry = log_error(line)) entries.push_back(std::move(*entry));
   }
   return entries;
 }

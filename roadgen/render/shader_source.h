@@ -39,16 +39,16 @@ struct ShaderSource {
 // One file of shaders/ by its name, such as "lib/road.glsl". Errors: kIo: no such file.
 Result<std::string> read_shader_file(const std::string& name);
 
-// The text for a shader file, such as "road.frag". Errors: kShader or kIo, with file and line: a missing include, an
-// include cycle, a malformed #include.
+// The text for a shader file, such as "road.frag". Errors: kIo: no such file; kShader, with file and line: a missing
+// include, an include cycle, a malformed #include.
 Result<ShaderSource> shader_source(const std::string& name, const ShaderDefines& defines = {});
 
 // The same for a text at hand, which may include files; name is what errors call it.
 Result<ShaderSource> shader_source_from_text(const std::string& name, std::string_view text,
                                              const ShaderDefines& defines = {});
 
-// The first error of a driver's log, with its file ("shaders/lib/road.glsl") and line if the log tells them; the message
-// is the driver's, and holds up to two more errors after "; ". Understands the formats of Mesa and NVIDIA.
+// The first error of a driver's log, with its file ("shaders/lib/road.glsl") and line if the log tells them; the
+// message is the driver's, and holds up to two more errors after "; ". Understands the formats of Mesa and NVIDIA.
 Error shader_error(const std::string& log, const ShaderSource& source);
 
 }  // namespace roadgen

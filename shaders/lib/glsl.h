@@ -94,10 +94,15 @@ template <class T>
 T dot(const glm::vec<2, T>& a, const glm::vec<2, T>& b) { return a.x * b.x + a.y * b.y; }
 template <class T>
 T dot(const glm::vec<3, T>& a, const glm::vec<3, T>& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-template <class V>
-auto length(const V& v) { return sqrt(dot(v, v)); }
-template <class V>
-V normalize(const V& v) { return v * (typename V::value_type(1.0) / length(v)); }
+// For each size: GLM's own, which refuse class scalars, would be preferred to a template of any vector.
+template <class T>
+T length(const glm::vec<2, T>& v) { return sqrt(dot(v, v)); }
+template <class T>
+T length(const glm::vec<3, T>& v) { return sqrt(dot(v, v)); }
+template <class T>
+glm::vec<2, T> normalize(const glm::vec<2, T>& v) { return v * (T(1.0) / length(v)); }
+template <class T>
+glm::vec<3, T> normalize(const glm::vec<3, T>& v) { return v * (T(1.0) / length(v)); }
 
 template <class Real>
 struct Library {

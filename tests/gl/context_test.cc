@@ -62,7 +62,7 @@ Picture draw_scene() {
 }
 
 // Mean and greatest difference of 8-bit colours. One renderer draws the same picture in every kind of context. Two
-// renderers may disagree on pixels at silhouettes, which is a pixel's whole difference, and round differently elsewhere.
+// renderers may disagree on pixels at silhouettes, which is a pixel's whole difference, and round otherwise elsewhere.
 void expect_same_picture(const Picture& a, const Picture& b, bool same_renderer) {
   const Result<ImageDifference> color = compare(a.color, b.color), depth = compare(a.depth, b.depth);
   ASSERT_TRUE(color.ok() && depth.ok());

@@ -64,7 +64,9 @@ TEST_F(ImageTest, WritingTwiceGivesTheSameBytes) {
 TEST_F(ImageTest, ExrKeepsNamedChannelsAndEveryFloat) {
   ImageF image(4, 3, 5);
   image.channel_names = {"road", "s", "t", "lane", "z"};
-  for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = std::ldexp(1.0f + 0.1f * static_cast<float>(i), static_cast<int>(i) - 30);
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    image.pixels[i] = std::ldexp(1.0f + 0.1f * static_cast<float>(i), static_cast<int>(i) - 30);
+  }
   image.at(1, 1, 4) = std::numeric_limits<float>::infinity();
   image.at(2, 1, 1) = std::numeric_limits<float>::quiet_NaN();
   image.at(0, 0, 3) = -16777215.0f;

@@ -49,7 +49,8 @@ std::vector<float> run(Program& program, size_t count) {
   return y;
 }
 
-const std::string kComputeHead = "layout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer Out { float y[]; };\n";
+const std::string kComputeHead =
+    "layout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer Out { float y[]; };\n";
 
 TEST(EmbeddedShaders, AreTheFilesOfTheSourceTree) {
   const auto names = embedded_shader_names();
@@ -135,7 +136,8 @@ TEST_F(ShaderTest, LogsOfOtherDriversAreUnderstood) {
 
 TEST_F(ShaderTest, OverrideFolderWinsAndFallsBackToTheEmbeddedFile) {
   make_context(ContextKind::kOsmesa);
-  const std::string text = kComputeHead + "#include \"lib/road.glsl\"\nvoid main() { y[0] = road_f(0.5, 1.0, -1.0); }\n";
+  const std::string text =
+      kComputeHead + "#include \"lib/road.glsl\"\nvoid main() { y[0] = road_f(0.5, 1.0, -1.0); }\n";
   auto embedded = Program::compute_from_text("override.comp", text);
   ASSERT_TRUE(embedded.ok()) << embedded.error().text();
   EXPECT_EQ(run(*embedded, 1)[0], 0.25f);

@@ -7,7 +7,8 @@
 //   SHADER_CASE(RoadV, 5, 1, y[0] = road_v(x[0], x[1], x[2], x[3], x[4]);)
 //   #undef float
 //
-// x holds the inputs, y the outputs; local variables, vec2 and vec3 are allowed, as in shaders/lib.
+// x holds the inputs, y the outputs; the rules of shaders/lib/glsl.h hold (float(0.5), no swizzles), so vec2 and vec3,
+// GLSL's own functions and local variables may be used.
 #pragma once
 
 #include <cstdint>
@@ -75,11 +76,17 @@ void check_case(const std::vector<std::string>& files, const FunctionCase& funct
 #define SHADER_CASE(name, input_count, output_count, ...)                                                     \
   struct name##Exact : ::roadgen::glsl::Library<double> {                                                     \
     using Real = double;                                                                                      \
-    static void run(const Real* x, Real* y) { __VA_ARGS__ }                                                   \
+    static void run(const Real* x, Real* y) {                                                                 \
+      using namespace ::roadgen::glsl;                                                                        \
+      __VA_ARGS__                                                                                             \
+    }                                                                                                         \
   };                                                                                                          \
   struct name##Single : ::roadgen::glsl::Library<::roadgen::glsl::Float32> {                                  \
     using Real = ::roadgen::glsl::Float32;                                                                    \
-    static void run(const Real* x, Real* y) { __VA_ARGS__ }                                                   \
+    static void run(const Real* x, Real* y) {                                                                 \
+      using namespace ::roadgen::glsl;                                                                        \
+      __VA_ARGS__                                                                                             \
+    }                                                                                                         \
   };                                                                                                          \
   constexpr ::roadgen::test::ShaderBody name{input_count, output_count, #__VA_ARGS__, name##Exact::run,       \
                                              name##Single::run};

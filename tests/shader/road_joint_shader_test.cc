@@ -68,8 +68,8 @@ const char* const kBody = R"(
 // At 500 m from the tile's origin a float is a multiple of 3.1e-5 m, so each anchor, and each difference of a point and
 // an anchor, is off by up to 1.5e-5 m in x and y. Measured 4.6e-5 m.
 constexpr double kPositionGapLimit_m = 9e-5;
-// The slope is off by |f''| times the rounding of u, 1.5e-5 m over a chord of 5 m at worst, and the chord's direction by
-// 6e-8. Measured 5.4e-6 rad.
+// The slope is off by |f''| times the rounding of u, 1.5e-5 m over a chord of 5 m at worst, and the chord's direction
+// by 6e-8. Measured 5.4e-6 rad.
 constexpr double kTangentGapLimit_rad = 1e-5;
 
 class RoadJointShader : public GlTest, public ::testing::WithParamInterface<ContextKind> {};

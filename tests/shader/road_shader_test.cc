@@ -60,8 +60,8 @@ void arc_point(Random& random, double* x) {
   std::copy(std::begin(values), std::end(values), x);
 }
 
-// Limits are about twice what llvmpipe measures, a handful of roundings of 2^-24 = 6e-8 each, which leaves room for GPUs
-// that fuse multiplications and additions, and divide to 2.5 ulp. Where the limit is larger, the terms are.
+// Limits are about twice what llvmpipe measures, a handful of roundings of 2^-24 = 6e-8 each, which leaves room for
+// GPUs that fuse multiplications and additions, and divide to 2.5 ulp. Where the limit is larger, the terms are.
 const std::vector<InputRange> kCurve = {{0, 1}, {-0.7, 0.7}, {-0.7, 0.7}};
 const std::vector<InputRange> kProfile = {{0, 100}, {-50, 50}, {-0.1, 0.1}, {-1e-3, 1e-3}, {-1e-5, 1e-5}};
 const FunctionCase kCases[] = {
