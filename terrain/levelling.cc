@@ -28,7 +28,8 @@ double smooth(double t) {
 
 // Distance from the carriageway where the road really passes the point, so that the foot is perpendicular or at an
 // open end; negative where it does not (then a neighbouring segment is nearer).
-double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, glm::dvec2 point_m, double& z_m) {
+double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, glm::dvec2 point_m, double shoulder_m,
+                      double& z_m) {
   const Nearest foot = nearest(segment, point_m);
   const double a = segment.slope_start, b = segment.slope_end;
   const glm::dvec2 p = to_chord(segment, point_m);
@@ -41,6 +42,8 @@ double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, g
                                     (foot.u >= 1 && at.segment + 1 == road.segments.size()));
   if (!end) return -1;
   const double scale = segment.chord_length_m() / std::sqrt(1 + df * df);
+  // The grade goes on over the shoulder, else the last triangles under the road would bend.
+  z_m += segment.elevation_m.slope(local) * std::clamp(along * scale, -shoulder_m, shoulder_m);
   return std::hypot(along * scale, std::max(std::abs(dy - dx * df) * scale - half_width, 0.0));
 }
 
@@ -141,7 +144,8 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
   double nearest_z = 0, lowest = 1e300;
   index_.visit_within(point_m, limit_m, [&](SegmentRef ref, const Segment& segment) {
     double z = 0;
-    const double edge = passing_edge_m(index_.network().roads[ref.road], ref, segment, point_m, z);
+    const double edge =
+        passing_edge_m(index_.network().roads[ref.road], ref, segment, point_m, options_.shoulder_m, z);
     if (edge < 0 || edge >= limit_m) return;
     if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
     if (edge < wish.edge_m) {
