@@ -119,6 +119,13 @@ double Bisection::height_on(std::int32_t leaf, glm::dvec2 place) const {
          to_right * (heights_[t.right] - heights_[t.apex]);
 }
 
+glm::dvec2 Bisection::gradient(std::int32_t leaf) const {
+  const Triangle& t = triangle(leaf);
+  const glm::dvec2 left(lattice_[t.left] - lattice_[t.apex]), right(lattice_[t.right] - lattice_[t.apex]);
+  const double to_left = heights_[t.left] - heights_[t.apex], to_right = heights_[t.right] - heights_[t.apex];
+  return glm::dvec2(to_left * right.y - to_right * left.y, to_right * left.x - to_left * right.x) / cross(left, right);
+}
+
 double Bisection::height_at(glm::dvec2 place) const { return height_on(find(place), place); }
 
 std::vector<std::int32_t> Bisection::leaves_of(glm::ivec2 tile) const {

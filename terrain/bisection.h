@@ -49,6 +49,8 @@ class Bisection {
   // The plane of a leaf, evaluated at a place in lattice units (clamped likewise).
   double height_at(glm::dvec2 place) const;
   double height_on(std::int32_t leaf, glm::dvec2 place) const;
+  // Its slope, per lattice unit.
+  glm::dvec2 gradient(std::int32_t leaf) const;
 
   // The leaves of one tile, in no particular order.
   std::vector<std::int32_t> leaves_of(glm::ivec2 tile) const;

@@ -1,6 +1,7 @@
 #include "terrain/levelling.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include <glm/common.hpp>
@@ -11,7 +12,7 @@ namespace {
 
 constexpr double kSampleStep_m = 5;     // of the road samples that are blended
 constexpr double kRounding_m = 3;       // of the profile where it leaves the shoulder
-constexpr double kBlendWidth_m = 4;     // from the nearest road's own height to the blended one
+constexpr double kBlendWidth_m = 1.5;     // from the nearest road's own height to the blended one
 constexpr double kNearestWeight_m = 0.5;  // nearer than this all samples weigh the same
 constexpr double kPerpendicular = 1e-7;   // of L: what counts as a perpendicular foot
 
@@ -28,7 +29,8 @@ double smooth(double t) {
 
 // Distance from the carriageway where the road really passes the point, so that the foot is perpendicular or at an
 // open end; negative where it does not (then a neighbouring segment is nearer).
-double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, glm::dvec2 point_m, double& z_m) {
+double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, glm::dvec2 point_m, double shoulder_m,
+                      double& z_m) {
   const Nearest foot = nearest(segment, point_m);
   const double a = segment.slope_start, b = segment.slope_end;
   const glm::dvec2 p = to_chord(segment, point_m);
@@ -41,6 +43,8 @@ double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, g
                                     (foot.u >= 1 && at.segment + 1 == road.segments.size()));
   if (!end) return -1;
   const double scale = segment.chord_length_m() / std::sqrt(1 + df * df);
+  // The grade goes on over the shoulder, else the last triangles under the road would bend.
+  z_m += segment.elevation_m.slope(local) * std::clamp(along * scale, -shoulder_m, shoulder_m);
   return std::hypot(along * scale, std::max(std::abs(dy - dx * df) * scale - half_width, 0.0));
 }
 
@@ -141,7 +145,8 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
   double nearest_z = 0, lowest = 1e300;
   index_.visit_within(point_m, limit_m, [&](SegmentRef ref, const Segment& segment) {
     double z = 0;
-    const double edge = passing_edge_m(index_.network().roads[ref.road], ref, segment, point_m, z);
+    const double edge =
+        passing_edge_m(index_.network().roads[ref.road], ref, segment, point_m, options_.shoulder_m, z);
     if (edge < 0 || edge >= limit_m) return;
     if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
     if (edge < wish.edge_m) {
@@ -158,11 +163,11 @@ double Levelling::edge_distance_m(glm::dvec2 point_m, double limit_m) const {
   return far >= limit_m ? far : nearest_roads(point_m, limit_m).edge_m;
 }
 
-// Height of the roads around, weighted by ((R - d) / (R d))^2: samples of one leg add up to a weight of 1/d, so between
-// two legs the ground is a ramp.
-double Levelling::blended_m(glm::dvec2 point_m) const {
+// Weights ((R - d) / (R d))^2: the samples of one leg add up to a weight of 1/d, so between two legs the ground is a
+// ramp.
+Levelling::Blend Levelling::blend(glm::dvec2 point_m) const {
   const double reach = options_.reach_m + 2 * kSampleStep_m;
-  double sum = 0, weight = 0;
+  double weight = 0, sum = 0, squares = 0, reference = 0;
   for (int dy = -1; dy <= 1; ++dy) {
     const std::size_t row = bucket(point_m, -1, dy), end = bucket(point_m, 1, dy);
     for (std::uint32_t i = first_[row]; i < first_[end + 1]; ++i) {
@@ -170,12 +175,17 @@ double Levelling::blended_m(glm::dvec2 point_m) const {
       const double d = std::max(glm::length(s.position_m - point_m) - s.half_width_m - options_.shoulder_m,
                                 kNearestWeight_m);
       if (d >= reach) continue;
-      const double w = (reach - d) / (reach * d);
-      sum += w * w * s.z_m;
-      weight += w * w;
+      const double root = (reach - d) / (reach * d), w = root * root;
+      if (weight == 0) reference = s.z_m;
+      const double z = s.z_m - reference;
+      weight += w;
+      sum += w * z;
+      squares += w * z * z;
     }
   }
-  return weight > 0 ? sum / weight : 1e300;
+  assert(weight > 0);  // the nearest road's own samples are within reach
+  const double mean = sum / weight;
+  return {reference + mean, std::sqrt(std::max(squares / weight - mean * mean, 0.0))};
 }
 
 double Levelling::height_m(glm::dvec2 point_m) const {
@@ -186,12 +196,13 @@ double Levelling::height_m(glm::dvec2 point_m) const {
   if (wish.edge_m >= limit) return natural;
   const double own = wish.lowest_m - options_.gap_m, d = wish.edge_m - options_.shoulder_m;
   if (d <= 0) return own;
-  const double blended = blended_m(point_m);
-  const double level = blended < 1e300 ? glm::mix(own, blended, smooth(d / kBlendWidth_m)) : own;
+  const Blend legs = blend(point_m);
+  const double level = glm::mix(own, legs.mean_m, smooth(d / kBlendWidth_m));
   // The natural ground where it is within the allowance, else the allowance, with a rounded crest and toe:
-  // q / (1 + q^4)^(1/4) is q for small q and goes to 1.
+  // q / (1 + q^4)^(1/4) is q for small q and goes to 1. A ramp between legs that is steep already gets less of it.
+  const double ramp = legs.deviation_m / (d + 2);
   const double allowance =
-      allowance_m(d, natural > level ? options_.cut_slope : options_.fill_slope, reach);
+      allowance_m(d, natural > level ? options_.cut_slope : options_.fill_slope, reach) / (1 + ramp * ramp);
   const double q = (natural - level) / allowance, q2 = q * q;
   return q2 > 1e12 ? level + std::copysign(allowance, q) : level + allowance * q / std::sqrt(std::sqrt(1 + q2 * q2));
 }

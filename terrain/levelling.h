@@ -55,8 +55,12 @@ class Levelling {
     glm::dvec2 position_m;
     double z_m, half_width_m;
   };
+  // The heights of the roads around, weighted: mean and standard deviation.
+  struct Blend {
+    double mean_m, deviation_m;
+  };
   Wish nearest_roads(glm::dvec2 point_m, double limit_m) const;
-  double blended_m(glm::dvec2 point_m) const;
+  Blend blend(glm::dvec2 point_m) const;
   double far_distance_m(glm::dvec2 point_m) const;
   std::size_t bucket(glm::dvec2 point_m, int dx, int dy) const;
 

@@ -21,6 +21,7 @@ constexpr int kMostTiles = 48;          // each way; larger worlds get larger ti
 constexpr int kMostNaturalPosts = 2048;  // each way
 constexpr int kMostRetries = 6;
 constexpr double kRetryFactor = 1.6;
+constexpr double kSaneGrade = 0.3;
 // Far from the roads no leg is longer than this, lest a sampled error miss a whole mountain.
 constexpr double kLegAtRoad_m = 8, kLegPerMetre = 0.12;
 
@@ -28,24 +29,38 @@ double quantised(double x, double quantum) { return std::round(x / quantum) * qu
 
 Error usage(const char* message) { return Error{ErrorCode::kUsage, message}; }
 
-// Calls visit(point, z) over every carriageway, at most step_m apart along the outer edge and across.
+// A point of a carriageway with the height and the slope of its surface there.
+struct SurfacePoint {
+  glm::dvec2 position_m;
+  double z_m;
+  glm::dvec2 gradient;
+};
+
+// Calls visit(SurfacePoint) over every carriageway, at most step_m apart along the outer edge and across; closer where
+// the grade is beyond reason, as in measured roads with faults.
 template <class Visit>
 void over_carriageways(const Network& network, double step_m, Visit&& visit) {
   for (const Road& road : network.roads) {
     for (const Segment& segment : road.segments) {
-      // The outer edge of a bend is longer than the centre line, by 1 + curvature * half width: at most twice.
+      // The outer edge of a bend is longer than the centre line by 1 + curvature * half width.
       const double widest = segment.max_half_width_m();
-      double bend = 0;
-      for (int i = 0; i <= 8; ++i) bend = std::max(bend, std::abs(curvature_per_m(segment, i / 8.0)));
-      const int along = std::max(1, static_cast<int>(std::ceil(segment.arc_m * (1 + bend * widest) / step_m)));
+      double bend = 0, grade = 0;
+      for (int i = 0; i <= 8; ++i) {
+        bend = std::max(bend, std::abs(curvature_per_m(segment, i / 8.0)));
+        grade = std::max(grade, std::abs(segment.elevation_m.slope(segment.arc_m * i / 8.0)));
+      }
+      const double stretch = (1 + bend * widest) * std::clamp(grade / kSaneGrade, 1.0, 20.0);
+      const int along = std::max(1, static_cast<int>(std::ceil(segment.arc_m * stretch / step_m)));
       const int across = std::max(2, static_cast<int>(std::ceil(2 * widest / step_m)));
       for (int i = 0; i <= along; ++i) {
         const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
         const double heading = heading_rad(segment, u), half_width = segment.half_width_m.value(local);
-        const glm::dvec2 centre = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
+        const double curvature = curvature_per_m(segment, u), rise = segment.elevation_m.slope(local);
+        const glm::dvec2 centre = position_m(segment, u), ahead(std::cos(heading), std::sin(heading));
         for (int j = 0; j <= across; ++j) {
           const double t = half_width * (2.0 * j / across - 1);
-          visit(centre + t * left, surface_height_m(segment, local, t));
+          visit(SurfacePoint{centre + t * glm::dvec2(-ahead.y, ahead.x), surface_height_m(segment, local, t),
+                             rise / std::max(1 - t * curvature, 0.05) * ahead});
         }
       }
     }
@@ -146,19 +161,22 @@ void Terrain::Impl::triangulate(const Levelling& ground) {
   report.tolerance_factor = factor;
 }
 
-// Lowers the triangle under every sample of a carriageway that has too little clearance. Lowering never takes clearance
-// away elsewhere, so one pass is enough.
+// Lowers the triangle under every sample of a carriageway that has too little clearance: less than kCorrectedClearance,
+// or so little that the difference of the two slopes could use up what is more than kLeastClearance on half the way to
+// the next sample. Lowering never takes clearance away elsewhere, so one pass is enough.
 void Terrain::Impl::correct(const Network& network) {
-  const double wanted = kCorrectedClearance * options.levelling.gap_m;
-  over_carriageways(network, kClearanceStep_m, [&](glm::dvec2 p, double z) {
-    const glm::dvec2 place = to_lattice(p);
+  const double gap = options.levelling.gap_m, half_way = kClearanceStep_m / std::numbers::sqrt2;
+  over_carriageways(network, kClearanceStep_m, [&](const SurfacePoint& p) {
+    const glm::dvec2 place = to_lattice(p.position_m);
     const std::int32_t leaf = mesh->find(place);
-    const double lacking = wanted - (z - mesh->height_on(leaf, place));
+    const double between = half_way * glm::length(p.gradient - mesh->gradient(leaf) / unit_m);
+    const double wanted = std::max(kCorrectedClearance * gap, kLeastClearance * gap + between);
+    const double lacking = wanted - (p.z_m - mesh->height_on(leaf, place));
     if (lacking <= 0) return;
     const double by = std::ceil(lacking / kVertical_m) * kVertical_m;
     const Bisection::Triangle& t = mesh->triangle(leaf);
     for (const std::uint32_t vertex : {t.apex, t.left, t.right}) mesh->set_height(vertex, mesh->height(vertex) - by);
-    ++report.vertices_lowered;
+    ++report.triangles_lowered;
     report.lowered_max_m = std::max(report.lowered_max_m, by);
   });
 }
@@ -246,6 +264,7 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   impl->lay_out(network, elevation);
   impl->tell(0);
   const Grid natural = impl->natural_ground(network, elevation);
+  impl->report.natural_spacing_m = std::max(natural.step_m.x, natural.step_m.y);
   impl->tell(0.15);
   const RoadIndex index(network);
   const Levelling ground(index, natural, impl->options.levelling);
@@ -266,19 +285,14 @@ double Terrain::height_m(glm::dvec2 point_m) const { return impl_->mesh->height_
 
 glm::dvec3 Terrain::normal(glm::dvec2 point_m) const {
   const Bisection& mesh = *impl_->mesh;
-  const Bisection::Triangle& t = mesh.triangle(mesh.find(impl_->to_lattice(point_m)));
-  const auto corner = [&](std::uint32_t v) {
-    return glm::dvec3(impl_->unit_m * glm::dvec2(mesh.lattice(v)), mesh.height(v));
-  };
-  const glm::dvec3 apex = corner(t.apex);
-  return glm::normalize(glm::cross(corner(t.left) - apex, corner(t.right) - apex));
+  return glm::normalize(glm::dvec3(-mesh.gradient(mesh.find(impl_->to_lattice(point_m))) / impl_->unit_m, 1));
 }
 
 Clearance measure_clearance(const Network& network, double step_m,
                             const std::function<double(glm::dvec2)>& ground_height_m) {
   Clearance c{1e300, -1e300, 0};
-  over_carriageways(network, step_m, [&](glm::dvec2 p, double z) {
-    const double clearance = z - ground_height_m(p);
+  over_carriageways(network, step_m, [&](const SurfacePoint& p) {
+    const double clearance = p.z_m - ground_height_m(p.position_m);
     c.min_m = std::min(c.min_m, clearance);
     c.max_m = std::max(c.max_m, clearance);
     ++c.samples;

@@ -33,9 +33,9 @@ struct TerrainOptions {
   double spacing_m = 2;
   LevellingOptions levelling;  // shoulder_m is raised to 1.5 spacing_m where it is less: the claim below rests on it
   // What the mesh may deviate from the levelled ground: tolerance_m at the roads, and tolerance_per_m more for every
-  // metre away from them. > 0. Default: 0.12 m and 3 mm per metre, about 3 pixels at 60 degrees and 1080 lines
+  // metre away from them. > 0. Default: 0.12 m and 2 mm per metre, about 2 pixels at 60 degrees and 1080 lines
   double tolerance_m = 0.12;
-  double tolerance_per_m = 0.003;
+  double tolerance_per_m = 0.002;
   // The tolerances are raised until the mesh has no more triangles; the corridor along the roads is never coarsened.
   std::size_t max_triangles = 400000;
   double rolling_m = 40;  // height of the hills away from the roads where there is no elevation. >= 0
@@ -53,15 +53,17 @@ struct TerrainMesh {
 
 struct TerrainReport {
   // Of the carriageways above the mesh, everywhere sampled at most kClearanceStep_m apart. Least: at least
-  // kLeastClearance * gap_m. Greatest: large only where a road passes over another.
+  // kLeastClearance * gap_m. Greatest: large only where a road passes over another or its heights have faults.
   double clearance_min_m = 0, clearance_max_m = 0;
   std::size_t clearance_samples = 0;
-  std::size_t vertices_lowered = 0;  // by the correction pass, and how far at most
+  std::size_t triangles_lowered = 0;  // by the correction pass, and how far at most at once
   double lowered_max_m = 0;
   double deepest_cut_m = 0, highest_fill_m = 0;  // of the carriageways against the natural ground, along the centre
   std::size_t voids_filled = 0;
   std::size_t triangles = 0, vertices = 0, tiles = 0;
-  double spacing_m = 0;              // as used
+  double spacing_m = 0;              // of the mesh's posts under the carriageways, as used
+  double natural_spacing_m = 0;      // of the posts that the natural ground was sampled at: 0.6 of the elevation's own,
+                                     // more where the area is greater than 2048 of them
   double tolerance_factor = 1;       // what max_triangles has raised the tolerances by
   Rectangle area;                    // of the mesh
   double seconds = 0;                // wall clock of the build

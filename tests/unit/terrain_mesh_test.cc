@@ -1,0 +1,379 @@
+// The terrain's claim: no ground shows through any carriageway. And the mesh that keeps it.
+#include "terrain/terrain.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "terrain/bisection.h"
+#include "tests/unit/terrain_scenes.h"
+
+namespace roadgen {
+namespace {
+
+using testing::hairpin_network;
+using testing::road_along;
+using testing::scratch_folder;
+using testing::straight;
+using testing::write_ascii_grid;
+
+constexpr double kPi = std::numbers::pi;
+
+// Rough mountains: waves of 400 m down to 25 m, on a slope to the south.
+double rough_ground_m(double x, double y) {
+  return 505 + 0.43 * y + 25 * std::sin(x / 64) * std::cos(y / 71) + 6 * std::sin(x / 17 + 1) * std::sin(y / 13) +
+         2 * std::sin(x / 4.1) * std::sin(y / 4.3 + 2);
+}
+
+Elevation rough_elevation(const std::string& folder) {
+  auto e = Elevation::open(write_ascii_grid(folder + "/rough.asc", {-1200, -1200}, 10, 261, 261, rough_ground_m));
+  EXPECT_TRUE(e);
+  return std::move(*e);
+}
+
+TerrainOptions small() {
+  TerrainOptions options;
+  options.margin_m = 300;
+  return options;
+}
+
+// Clearance by the road's own pose, not by the code under test: every step_m along and across.
+Clearance independent_clearance(const Network& network, double step_m, const std::function<double(glm::dvec2)>& ground) {
+  Clearance c{1e300, -1e300, 0};
+  for (const Road& road : network.roads) {
+    for (double s = 0; s <= road.length_m(); s += step_m) {
+      const Segment& segment = road.segments[segment_at(road, s)];
+      const double w = segment.half_width_m.value(s - segment.s_start_m);
+      for (double t = -w; t <= w + 1e-9; t += step_m) {
+        const RoadPose pose = pose_at(road, s, std::min(t, w));
+        const double clearance = pose.position_m.z - ground(glm::dvec2(pose.position_m));
+        c.min_m = std::min(c.min_m, clearance);
+        c.max_m = std::max(c.max_m, clearance);
+        ++c.samples;
+      }
+    }
+  }
+  return c;
+}
+
+// Two straight roads side by side, the second above the first by rise_m, edge to edge gap_m.
+Network stacked_legs(double rise_m, double apart_m) {
+  Network network;
+  network.roads.push_back(road_along("low", 300, 20, 3.5, [](double s) { return straight({0, 0}, 0.1, s); },
+                                     [](double s) { return 500 + 0.05 * s; }));
+  const glm::dvec2 beside = (7 + apart_m) * glm::dvec2(-std::sin(0.1), std::cos(0.1));
+  network.roads.push_back(road_along("high", 300, 20, 3.5, [=](double s) { return straight(beside, 0.1, s); },
+                                     [=](double s) { return 500 + rise_m + 0.05 * s; }));
+  return network;
+}
+
+// Crests and dips of 400 m vertical radius with 15 % grades.
+Network crest() {
+  Network network;
+  network.roads.push_back(road_along("crest", 400, 10, 4, [](double s) { return straight({-200, 40}, 0.4, s); },
+                                     [](double s) { return 500 + 0.15 * 60 * std::sin(s / 60); }));
+  return network;
+}
+
+// Heights with the faults of a bad survey: 3 m up and down every 20 m.
+Network faulty_heights() {
+  Network network;
+  network.roads.push_back(road_along("faulty", 300, 10, 3.5, [](double s) { return straight({-150, 0}, -0.2, s); },
+                                     [](double s) { return 500 + 3 * std::sin(s * kPi / 10 + 0.7); }));
+  return network;
+}
+
+struct Scene {
+  const char* name;
+  Network network;
+  double greatest_m;  // allowed clearance
+};
+
+std::vector<Scene> scenes() {
+  std::vector<Scene> all;
+  all.push_back({"hairpins at 8 %", hairpin_network(0.08), 0.12});
+  all.push_back({"hairpins at 15 %", hairpin_network(0.15), 0.16});
+  all.push_back({"tight hairpins at 15 %", hairpin_network(0.15, 60, 9), 0.2});
+  all.push_back({"legs 5 m above each other, 8 m apart", stacked_legs(5, 8), 0.1});
+  all.push_back({"crest and dip", crest(), 0.1});
+  all.push_back({"faulty heights", faulty_heights(), 1.5});
+  return all;
+}
+
+TEST(Terrain, LiesBelowEveryCarriagewayButNotDeep) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  for (const Scene& scene : scenes()) {
+    for (const Elevation* e : {&elevation, static_cast<const Elevation*>(nullptr)}) {
+      SCOPED_TRACE(std::string(scene.name) + (e ? " on rough ground" : " without elevation"));
+      const auto terrain = Terrain::build(scene.network, e, small());
+      ASSERT_TRUE(terrain) << terrain.error().text();
+      const Clearance c = independent_clearance(scene.network, 0.25, [&](glm::dvec2 p) { return terrain->height_m(p); });
+      EXPECT_GT(c.samples, 10000u);
+      EXPECT_GE(c.min_m, kLeastClearance * 0.05);
+      EXPECT_LE(c.max_m, scene.greatest_m);
+      EXPECT_NEAR(terrain->report().clearance_min_m, c.min_m, 0.012);
+    }
+  }
+}
+
+// What the claim is measured against: the same levelled ground on a plain grid of posts, as games and simulators do it.
+TEST(Terrain, ANaiveGridOfTheSameGroundCutsThroughTheRoad) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  const Network network = hairpin_network(0.15);
+  const Bounds b = bounds(network);
+  const Grid natural = natural_from_elevation(
+      elevation, network, {glm::dvec2(b.low_m) - 200.0, glm::dvec2(b.high_m) + 200.0}, 6);
+  const RoadIndex index(network);
+  const Levelling ground(index, natural, {});
+  Grid naive = natural;
+  naive.step_m *= 8.0 / naive.step_m.x;
+  naive.columns = naive.columns * 3 / 4;
+  naive.rows = naive.rows * 3 / 4;
+  naive.values.clear();
+  for (int row = 0; row < naive.rows; ++row) {
+    for (int column = 0; column < naive.columns; ++column) {
+      naive.values.push_back(static_cast<float>(ground.height_m(naive.origin_m + naive.step_m * glm::dvec2(column, row))));
+    }
+  }
+  const Clearance c = independent_clearance(network, 0.25, [&](glm::dvec2 p) { return sample_bilinear(naive, p); });
+  EXPECT_LT(c.min_m, -0.1);
+  // And the natural ground, not levelled at all, buries it.
+  const Clearance raw =
+      independent_clearance(hairpin_network(0.08), 0.5, [&](glm::dvec2 p) { return sample_bilinear(natural, p); });
+  EXPECT_LT(raw.min_m, -3);
+}
+
+TEST(Terrain, UnderABridgeTheLowerRoadWins) {
+  Network network;
+  const auto level = [](double z) { return [z](double) { return z; }; };
+  network.roads.push_back(road_along("low", 200, 20, 4, [](double s) { return straight({-100, 0}, 0, s); }, level(500)));
+  network.roads.push_back(
+      road_along("bridge", 200, 20, 4, [](double s) { return straight({0, -100}, kPi / 2, s); }, level(507)));
+  const auto terrain = Terrain::build(network, nullptr, small());
+  ASSERT_TRUE(terrain);
+  const Clearance c = independent_clearance(network, 0.25, [&](glm::dvec2 p) { return terrain->height_m(p); });
+  EXPECT_GE(c.min_m, kLeastClearance * 0.05);
+  // The triangles of the wall at the shoulder are lowered a little, since they are steep under the upper carriageway.
+  EXPECT_GE(c.max_m, 7.05);
+  EXPECT_LE(c.max_m, 7.75);
+  EXPECT_LT(terrain->height_m({0, 0}), 500);
+}
+
+TEST(Terrain, BetweenLegsThereAreRampsNotCliffs) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  const Network network = hairpin_network(0.08);
+  const auto terrain = Terrain::build(network, &elevation, small());
+  ASSERT_TRUE(terrain);
+  // Up to 17 m of height over the 10.5 m between two shoulders: 1.6 on the mean, and at most twice that.
+  double steepest = 0;
+  for (double x = 5; x < 85; x += 0.5) {
+    for (double y = 0; y < 140; y += 0.5) {
+      const glm::dvec3 n = terrain->normal({x, y});
+      steepest = std::max(steepest, std::hypot(n.x, n.y) / n.z);
+    }
+  }
+  EXPECT_LT(steepest, 3.2);
+}
+
+// A vertex's place in units of 1/64 m: exact as integers.
+using Corner = std::pair<long long, long long>;
+Corner corner(const TerrainMesh& tile, std::uint32_t v) {
+  const glm::dvec2 p = glm::dvec2(tile.origin_m) + glm::dvec2(glm::vec2(tile.positions_m[v]));
+  const glm::dvec2 scaled = p * 64.0;
+  EXPECT_EQ(scaled.x, std::floor(scaled.x));
+  return {static_cast<long long>(scaled.x), static_cast<long long>(scaled.y)};
+}
+
+TEST(Terrain, TheMeshHasNoCracksAndNoSlivers) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  TerrainOptions options = small();
+  options.margin_m = 900;
+  const auto terrain = Terrain::build(hairpin_network(0.08), &elevation, options);
+  ASSERT_TRUE(terrain);
+  const Rectangle area = terrain->report().area;
+  EXPECT_GT(terrain->tiles().size(), 1u);
+  std::map<std::pair<Corner, Corner>, int> edges;
+  std::map<Corner, double> heights;
+  double total = 0;
+  std::size_t triangles = 0;
+  for (const TerrainMesh& tile : terrain->tiles()) {
+    ASSERT_EQ(tile.positions_m.size(), tile.normals.size());
+    for (std::size_t i = 0; i + 2 < tile.triangles.size(); i += 3) {
+      ++triangles;
+      Corner c[3];
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t v = tile.triangles[i + k];
+        c[k] = corner(tile, v);
+        // Tiles agree in height where they meet, to the last bit.
+        const double z = tile.origin_m.z + tile.positions_m[v].z;
+        EXPECT_EQ(heights.emplace(c[k], z).first->second, z);
+      }
+      const double area2 = static_cast<double>((c[1].first - c[0].first) * (c[2].second - c[0].second) -
+                                               (c[2].first - c[0].first) * (c[1].second - c[0].second));
+      ASSERT_GT(area2, 0);
+      total += 0.5 * area2 / 4096;
+      for (int k = 0; k < 3; ++k) ++edges[{c[k], c[(k + 1) % 3]}];
+    }
+  }
+  EXPECT_EQ(triangles, terrain->report().triangles);
+  EXPECT_NEAR(total, (area.high_m.x - area.low_m.x) * (area.high_m.y - area.low_m.y), 1e-3);
+  double border = 0;
+  for (const auto& [edge, count] : edges) {
+    ASSERT_EQ(count, 1);
+    if (edges.count({edge.second, edge.first})) continue;
+    const double dx = static_cast<double>(edge.second.first - edge.first.first) / 64;
+    const double dy = static_cast<double>(edge.second.second - edge.first.second) / 64;
+    border += std::hypot(dx, dy);
+    // An edge with one triangle only lies on the border of the area.
+    const double x = edge.first.first / 64.0, y = edge.first.second / 64.0;
+    EXPECT_TRUE((dx == 0 && (x == area.low_m.x || x == area.high_m.x)) ||
+                (dy == 0 && (y == area.low_m.y || y == area.high_m.y)));
+  }
+  EXPECT_NEAR(border, 2 * (area.high_m.x - area.low_m.x + area.high_m.y - area.low_m.y), 1e-6);
+}
+
+TEST(Terrain, HeightIsThatOfTheDrawnTriangles) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  const auto terrain = Terrain::build(hairpin_network(0.1), &elevation, small());
+  ASSERT_TRUE(terrain);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (const TerrainMesh& tile : terrain->tiles()) {
+    for (std::size_t i = 0; i + 2 < tile.triangles.size(); i += 3) {
+      double a = unit(random), b = unit(random);
+      if (a + b > 1) a = 1 - a, b = 1 - b;
+      const glm::dvec3 p0(tile.positions_m[tile.triangles[i]]), p1(tile.positions_m[tile.triangles[i + 1]]),
+          p2(tile.positions_m[tile.triangles[i + 2]]);
+      const glm::dvec3 p = tile.origin_m + p0 + a * (p1 - p0) + b * (p2 - p0);
+      ASSERT_NEAR(terrain->height_m(glm::dvec2(p)), p.z, 1e-9);
+      const glm::dvec3 flat = glm::normalize(glm::cross(p1 - p0, p2 - p0));
+      if (a > 0.01 && b > 0.01 && a + b < 0.99) {
+        ASSERT_NEAR(glm::length(terrain->normal(glm::dvec2(p)) - flat), 0, 1e-9);
+      }
+    }
+  }
+  // Outside, the border goes on.
+  const Rectangle area = terrain->report().area;
+  EXPECT_EQ(terrain->height_m({area.low_m.x - 100, 0}), terrain->height_m({area.low_m.x, 0}));
+}
+
+TEST(Terrain, FarFromRoadsTheGroundIsNatural) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  const Network network = hairpin_network(0.08);
+  const auto terrain = Terrain::build(network, &elevation, small());
+  ASSERT_TRUE(terrain);
+  const RoadIndex index(network);
+  std::size_t checked = 0;
+  for (double x = -250; x < 350; x += 7.3) {
+    for (double y = -250; y < 350; y += 9.1) {
+      const auto near = index.to_road(glm::dvec2(x, y), 1000);
+      if (near->outside_m < 70) continue;
+      ++checked;
+      // The mesh's tolerance, doubled since errors are sampled.
+      EXPECT_NEAR(terrain->height_m({x, y}), elevation.height_m({x, y}), 2 * (0.12 + 0.003 * near->outside_m) + 0.5);
+    }
+  }
+  EXPECT_GT(checked, 1000u);
+}
+
+TEST(Terrain, TriangleLimitCoarsensTheCountryNotTheRoad) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  const Network network = hairpin_network(0.08);
+  const auto fine = Terrain::build(network, &elevation, small());
+  TerrainOptions options = small();
+  options.max_triangles = fine->report().triangles * 2 / 3;
+  const auto coarse = Terrain::build(network, &elevation, options);
+  ASSERT_TRUE(coarse);
+  EXPECT_LE(coarse->report().triangles, options.max_triangles);
+  EXPECT_GT(coarse->report().tolerance_factor, 1);
+  const Clearance c = independent_clearance(network, 0.25, [&](glm::dvec2 p) { return coarse->height_m(p); });
+  EXPECT_GE(c.min_m, kLeastClearance * 0.05);
+}
+
+TEST(Terrain, AWorldFarFromTheOriginKeepsTheClaim) {
+  Network network = hairpin_network(0.15);
+  for (Segment& s : network.roads[0].segments) {
+    s.start_m += glm::dvec2(1e7, -1e7);
+    s.end_m += glm::dvec2(1e7, -1e7);
+  }
+  const auto terrain = Terrain::build(network, nullptr, small());
+  ASSERT_TRUE(terrain);
+  const Clearance c = independent_clearance(network, 0.25, [&](glm::dvec2 p) { return terrain->height_m(p); });
+  EXPECT_GE(c.min_m, kLeastClearance * 0.05);
+  EXPECT_LE(c.max_m, 0.16);
+  for (const TerrainMesh& tile : terrain->tiles()) {
+    for (const glm::vec3& p : tile.positions_m) ASSERT_LE(std::max(std::abs(p.x), std::abs(p.y)), 1025);
+  }
+}
+
+TEST(Terrain, TellsItsProgressAndRefusesNonsense) {
+  const Network network = hairpin_network(0.05);
+  double last = -1;
+  TerrainOptions options = small();
+  options.progress = [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+  };
+  ASSERT_TRUE(Terrain::build(network, nullptr, options));
+  EXPECT_EQ(last, 1);
+  EXPECT_FALSE(Terrain::build(Network{}, nullptr, small()));
+  options = small();
+  options.levelling.gap_m = 0;
+  const auto bad = Terrain::build(network, nullptr, options);
+  ASSERT_FALSE(bad);
+  EXPECT_EQ(bad.error().code, ErrorCode::kUsage);
+}
+
+TEST(Terrain, IsWrittenAsElevationThatReadsBackTheSame) {
+  Network network = hairpin_network(0.08);
+  network.georeference = Georeference{46.5, 8.5, 0};
+  const auto terrain = Terrain::build(network, nullptr, small());
+  ASSERT_TRUE(terrain);
+  const std::string path = scratch_folder() + "/levelled.tif";
+  const Status written = write_terrain(*terrain, network, 2, path);
+  ASSERT_TRUE(written) << written.error().text();
+  const auto back = Elevation::open(path);
+  ASSERT_TRUE(back);
+  for (double s = 5; s < 800; s += 31) {
+    const glm::dvec2 p(pose_at(network.roads[0], s, 0).position_m);
+    EXPECT_NEAR(elevation_enu_m(*back, network, p), terrain->height_m(p), 0.05);
+  }
+}
+
+TEST(Bisection, FindsTheLeafThatHoldsAPlaceAndStaysConforming) {
+  Bisection mesh({3, 2}, 6, [](glm::ivec2 p) { return 0.5 * p.x - 0.25 * p.y; });
+  std::mt19937 random(5);
+  ASSERT_TRUE(mesh.refine([&](const Bisection::Triangle& t) { return t.level < 3 || random() % 3 == 0; }, 100000));
+  std::size_t leaves = 0;
+  std::set<std::int32_t> all;
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 3; ++x) {
+      for (const std::int32_t leaf : mesh.leaves_of({x, y})) ++leaves, all.insert(leaf);
+    }
+  }
+  EXPECT_EQ(leaves, mesh.leaves());
+  EXPECT_EQ(all.size(), leaves);
+  std::uniform_real_distribution<double> px(0, 192), py(0, 128);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec2 p(px(random), py(random));
+    EXPECT_TRUE(all.count(mesh.find(p)));
+    EXPECT_NEAR(mesh.height_at(p), 0.5 * p.x - 0.25 * p.y, 1e-9);
+  }
+  // Neighbours know each other.
+  for (const std::int32_t leaf : all) {
+    const Bisection::Triangle& t = mesh.triangle(leaf);
+    for (const std::int32_t other : {t.across_base, t.across_left, t.across_right}) {
+      if (other < 0) continue;
+      const Bisection::Triangle& o = mesh.triangle(other);
+      EXPECT_TRUE(o.across_base == leaf || o.across_left == leaf || o.across_right == leaf);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace roadgen
