@@ -9,7 +9,7 @@
 #include <glm/common.hpp>
 
 #include "terrain/levelling.h"
-#include "terrain/local_frame.h"
+#include "roadgen/import/local_frame.h"
 
 namespace roadgen {
 namespace {
@@ -148,10 +148,10 @@ Rectangle covered_rectangle(const Elevation& elevation, const Network& network) 
   for (int i = 0; i <= kPlaces; ++i) {
     const glm::dvec2 p = glm::mix(e.low, e.high, static_cast<double>(i) / kPlaces);
     const double h = network.georeference->height_m;
-    r.low_m.x = std::max(r.low_m.x, frame.to_enu_m({p.y, e.low.x, h}).x);
-    r.high_m.x = std::min(r.high_m.x, frame.to_enu_m({p.y, e.high.x, h}).x);
-    r.low_m.y = std::max(r.low_m.y, frame.to_enu_m({e.low.y, p.x, h}).y);
-    r.high_m.y = std::min(r.high_m.y, frame.to_enu_m({e.high.y, p.x, h}).y);
+    r.low_m.x = std::max(r.low_m.x, frame.to_local_m({p.y, e.low.x, h}).x);
+    r.high_m.x = std::min(r.high_m.x, frame.to_local_m({p.y, e.high.x, h}).x);
+    r.low_m.y = std::max(r.low_m.y, frame.to_local_m({e.low.y, p.x, h}).y);
+    r.high_m.y = std::min(r.high_m.y, frame.to_local_m({e.high.y, p.x, h}).y);
   }
   return r;
 }

@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "terrain/bisection.h"
-#include "terrain/local_frame.h"
+#include "roadgen/import/local_frame.h"
 
 namespace roadgen {
 namespace {
@@ -329,7 +329,7 @@ Status write_terrain(const Terrain& terrain, const Network& network, double post
       const glm::dvec2 place = grid.origin_m + grid.step_m * glm::dvec2(column, row);
       // Lift the place to its own height: the height moves it in the plane by next to nothing.
       for (int i = 0; i < 3; ++i) {
-        const glm::dvec3 p = frame.to_enu_m({place.y, place.x, h});
+        const glm::dvec3 p = frame.to_local_m({place.y, place.x, h});
         h += terrain.height_m(glm::dvec2(p)) - p.z;
       }
       grid.at(column, row) = static_cast<float>(h);

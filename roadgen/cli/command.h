@@ -53,5 +53,7 @@ class ProgressLine {
 int run_import(const Arguments& arguments);
 int run_info(const Arguments& arguments);
 int run_check(const Arguments& arguments);
+int run_render(const Arguments& arguments);
+int run_fly(const Arguments& arguments);
 
 }  // namespace roadgen::cli

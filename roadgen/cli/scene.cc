@@ -4,11 +4,21 @@
 #include <cmath>
 #include <cstdio>
 
-#include "roadgen/cli/progress.h"
+#include <CLI/CLI.hpp>
+
+#include "roadgen/cli/command.h"
 #include "roadgen/import/opendrive.h"
 #include "terrain/terrain.h"
 
 namespace roadgen::cli {
+
+void add_scene_options(CLI::App& app, SceneOptions& options) {
+  app.add_option("NET", options.network_path, "OpenDRIVE file")->required();
+  app.add_option("--dem", options.dem_path,
+                 "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid. Default: the roads' own heights");
+  app.add_option("--context", options.context, "osmesa, egl or window. Default: osmesa");
+  app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
+}
 
 Result<Scene> open_scene(const SceneOptions& options) {
   Scene scene;
@@ -25,12 +35,12 @@ Result<Scene> open_scene(const SceneOptions& options) {
     if (!opened) return opened.error();
     elevation.emplace(std::move(*opened));
   }
-  for (const Diagnostic& d : diagnostics) std::fprintf(stderr, "%s\n", d.text().c_str());
-  Progress progress("terrain");
+  ProgressLine progress;
   TerrainOptions terrain_options;
-  terrain_options.progress = [&](double fraction) { progress.show(fraction); };
+  terrain_options.progress = [&](double part) { progress.show(part, "terrain"); };
   auto terrain = Terrain::build(scene.network, elevation ? &*elevation : nullptr, terrain_options);
-  progress.done();
+  progress.clear();
+  print_diagnostics(diagnostics, "");
   if (!terrain) return terrain.error();
   const TerrainReport& report = terrain->report();
   std::fprintf(stderr, "terrain: %zu triangles, clearance under the roads %.3f to %.3f m, %zu voids filled, %.1f s\n",

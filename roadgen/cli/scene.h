@@ -4,10 +4,15 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "roadgen/render/context.h"
 #include "roadgen/render/renderer.h"
 #include "roadgen/road/network.h"
+
+namespace CLI {
+class App;
+}
 
 namespace roadgen::cli {
 
@@ -19,6 +24,9 @@ struct SceneOptions {
   int width = 1280, height = 720;
   bool visible = false;         // of a window
 };
+
+// Declares the options of SceneOptions that users give.
+void add_scene_options(CLI::App& app, SceneOptions& options);
 
 struct Scene {
   Network network;

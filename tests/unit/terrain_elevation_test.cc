@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "terrain/local_frame.h"
+#include "roadgen/import/local_frame.h"
 #include "terrain/natural.h"
 #include "tests/unit/terrain_scenes.h"
 

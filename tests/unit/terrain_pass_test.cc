@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "roadgen/fit/catmull_rom.h"
-#include "terrain/local_frame.h"
+#include "roadgen/import/local_frame.h"
 #include "terrain/terrain.h"
 
 namespace roadgen {
@@ -32,7 +32,7 @@ Network pass_network() {
       network.georeference = Georeference{g.latitude_deg, g.longitude_deg, 0};
       frame.emplace(*network.georeference);
     }
-    const glm::dvec3 p = frame->to_enu_m(g);
+    const glm::dvec3 p = frame->to_local_m(g);
     anchors.push_back({glm::dvec2(p), p.z, 3.5});
   }
   AlignmentOptions options;

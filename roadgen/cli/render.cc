@@ -1,6 +1,6 @@
 // roadgen render: one camera, its channels as files.
 #include <cstdio>
-#include <filesystem>
+#include <algorithm>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -12,6 +12,8 @@
 
 namespace roadgen::cli {
 namespace {
+
+constexpr const char* kName = "roadgen render";
 
 struct RenderOptions {
   SceneOptions scene;
@@ -116,30 +118,24 @@ Status render(const RenderOptions& options) {
   report["size"] = {size->width, size->height};
   report["renderer"] = scene->context->renderer();
   if (Status s = write_channels(*frame, options.prefix, report["files"]); !s) return s;
-  std::printf("%s\n", report.dump(2).c_str());
-  return Done{};
+  return put_out(report.dump(2) + "\n", "");
 }
 
 }  // namespace
 
-void add_scene_options(CLI::App& app, SceneOptions& options) {
-  app.add_option("network", options.network_path, "The network, net.xodr")->required();
-  app.add_option("--dem", options.dem_path, "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid");
-  app.add_option("--context", options.context, "osmesa, egl or window (default: osmesa)");
-  app.add_option("--egl-device", options.egl_device, "Index of the EGL device (default: surfaceless display)");
-}
-
-void add_render(CLI::App& parent, Exit& exit) {
-  auto options = std::make_shared<RenderOptions>();
-  CLI::App& app = *parent.add_subcommand("render", "Renders one camera's picture, depth, labels and road coordinates");
-  add_scene_options(app, options->scene);
-  app.add_option("--camera", options->camera, "X,Y,Z,YAW,PITCH,ROLL: ENU metres, degrees");
-  app.add_option("--follow", options->follow, "ROAD,S,T,H: on road ROAD at s, t, H metres above it, looking along it");
-  app.add_option("--size", options->size, "WIDTHxHEIGHT in pixels (default: 1280x720)");
-  app.add_option("--fov", options->fov_deg, "Vertical field of view in degrees, (0, 170] (default: 50)");
-  app.add_option("--channels", options->channels, "color,depth,label,instance,normal,road (default: color)")->delimiter(',');
-  app.add_option("-o,--output", options->prefix, "PREFIX of the files: PREFIX.color.png, PREFIX.depth.exr, ...")->required();
-  app.callback([options, &exit] { exit = finish(render(*options)); });
+int run_render(const Arguments& arguments) {
+  RenderOptions options;
+  CLI::App app("Renders one camera: picture, depth, labels, normals and road coordinates.", kName);
+  add_scene_options(app, options.scene);
+  app.add_option("--camera", options.camera, "X,Y,Z,YAW,PITCH,ROLL: ENU metres, degrees");
+  app.add_option("--follow", options.follow, "ROAD,S,T,H: on road ROAD at s, t, H metres above it, looking along it");
+  app.add_option("--size", options.size, "WIDTHxHEIGHT in pixels. Default: 1280x720");
+  app.add_option("--fov", options.fov_deg, "Vertical field of view in degrees, (0, 170]. Default: 50");
+  app.add_option("--channels", options.channels, "color,depth,label,instance,normal,road. Default: color")->delimiter(',');
+  app.add_option("-o,--output", options.prefix, "PREFIX of the files: PREFIX.color.png, PREFIX.depth.exr, ...")->required();
+  if (const auto code = parse(app, arguments)) return *code;
+  if (Status status = render(options); !status) return fail(kName, status.error());
+  return kExitDone;
 }
 
 }  // namespace roadgen::cli

@@ -1,6 +1,8 @@
 // roadgen fly: along a road, as a video or single pictures, with a contact sheet.
 #include <cmath>
 #include <cstdio>
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <optional>
 
@@ -8,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "roadgen/cli/command.h"
-#include "roadgen/cli/progress.h"
 #include "roadgen/cli/scene.h"
 #include "roadgen/cli/video.h"
 #include "roadgen/export/atomic_file.h"
@@ -16,6 +17,8 @@
 
 namespace roadgen::cli {
 namespace {
+
+constexpr const char* kName = "roadgen fly";
 
 struct FlyOptions {
   SceneOptions scene;
@@ -116,7 +119,7 @@ Status fly(FlyOptions& options) {
   const int factor = std::max(1, size->width / 480);
   Image8 sheet(size->width / factor * kSheetColumns, size->height / factor * kSheetRows, 4);
   int cell = 0;
-  Progress progress("fly");
+  ProgressLine progress;
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < options.frames; ++i) {
     Camera camera = flight_camera(*road, road->length_m() * i / options.frames, options.flight);
@@ -134,9 +137,9 @@ Status fly(FlyOptions& options) {
       scene->context->poll();
       if (scene->context->should_close() || scene->context->key_down(Key::kEscape)) break;
     }
-    progress.show((i + 1.0) / options.frames);
+    progress.show((i + 1.0) / options.frames, "flight");
   }
-  progress.done();
+  progress.clear();
   if (Status s = sink->finish(); !s) return s;
   if (!options.contact_sheet.empty()) {
     if (Status s = write_png(options.contact_sheet, sheet); !s) return s;
@@ -146,27 +149,28 @@ Status fly(FlyOptions& options) {
                            {"seconds", seconds}, {"renderer", scene->context->renderer()}};
   if (!options.output.empty()) report["output"] = options.output;
   if (!options.contact_sheet.empty()) report["contact_sheet"] = options.contact_sheet;
-  std::printf("%s\n", report.dump(2).c_str());
-  return Done{};
+  return put_out(report.dump(2) + "\n", "");
 }
 
 }  // namespace
 
-void add_fly(CLI::App& parent, Exit& exit) {
-  auto options = std::make_shared<FlyOptions>();
-  CLI::App& app = *parent.add_subcommand("fly", "Flies along a road: a video or single pictures, or in a window");
-  add_scene_options(app, options->scene);
-  app.add_option("--follow", options->follow, "Id of the road (default: the longest)");
-  app.add_option("--frames", options->frames, "Number of pictures, evenly along the road (default: 240)");
-  app.add_option("--fps", options->frames_per_second, "Pictures per second of the video (default: 24)");
-  app.add_option("--size", options->size, "WIDTHxHEIGHT in pixels (default: 1280x720)");
-  app.add_option("--fov", options->fov_deg, "Vertical field of view in degrees (default: 55)");
-  app.add_option("--height", options->flight.height_m, "Metres above the road's mean course (default: 22)");
-  app.add_option("--smooth", options->flight.smooth_m, "Metres of road to both sides that are averaged (default: 90)");
-  app.add_option("--ahead", options->flight.ahead_m, "Metres ahead that the view points to (default: 170)");
-  app.add_option("--contact-sheet", options->contact_sheet, "A .png with twelve of the pictures");
-  app.add_option("-o,--output", options->output, "FILE.mp4, or a folder for 00000.png, 00001.png, ...");
-  app.callback([options, &exit] { exit = finish(fly(*options)); });
+int run_fly(const Arguments& arguments) {
+  FlyOptions options;
+  CLI::App app("Flies along a road: a video, single pictures, or a window.", kName);
+  add_scene_options(app, options.scene);
+  app.add_option("--follow", options.follow, "Id of the road. Default: the longest");
+  app.add_option("--frames", options.frames, "Number of pictures, evenly along the road. Default: 240");
+  app.add_option("--fps", options.frames_per_second, "Pictures per second of the video. Default: 24");
+  app.add_option("--size", options.size, "WIDTHxHEIGHT in pixels. Default: 1280x720");
+  app.add_option("--fov", options.fov_deg, "Vertical field of view in degrees. Default: 55");
+  app.add_option("--height", options.flight.height_m, "Metres above the road's mean course. Default: 22");
+  app.add_option("--smooth", options.flight.smooth_m, "Metres of road to both sides that are averaged. Default: 90");
+  app.add_option("--ahead", options.flight.ahead_m, "Metres ahead that the view points to. Default: 170");
+  app.add_option("--contact-sheet", options.contact_sheet, "A .png with twelve of the pictures");
+  app.add_option("-o,--output", options.output, "FILE.mp4, or a folder for 00000.png, 00001.png, ...");
+  if (const auto code = parse(app, arguments)) return *code;
+  if (Status status = fly(options); !status) return fail(kName, status.error());
+  return kExitDone;
 }
 
 }  // namespace roadgen::cli
