@@ -283,7 +283,8 @@ Status write_geotiff(const Grid& heights, const std::string& path) {
   GDALRasterBand* band = dataset->GetRasterBand(1);
   band->SetUnitType("m");
   for (int row = 0; row < heights.rows && good; ++row) {
-    auto* line = const_cast<float*>(&heights.values[static_cast<std::size_t>(heights.rows - 1 - row) * heights.columns]);
+    const float* from = &heights.values[static_cast<std::size_t>(heights.rows - 1 - row) * heights.columns];
+    auto* line = const_cast<float*>(from);  // GDAL only reads it
     good = band->RasterIO(GF_Write, 0, row, heights.columns, 1, line, heights.columns, 1, GDT_Float32, 0, 0,
                           nullptr) == CE_None;
   }

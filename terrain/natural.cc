@@ -46,7 +46,8 @@ double solve_height(const Elevation& elevation, const LocalFrame& frame, glm::dv
 }
 
 double hash01(std::int64_t x, std::int64_t y) {
-  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^ static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;
+  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u;
+  h ^= static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;
   h ^= h >> 29;
   h *= 0xbf58476d1ce4e5b9u;
   h ^= h >> 32;
@@ -109,7 +110,8 @@ Extent road_extent(const Network& network, const LocalFrame* frame) {
 std::string described(const Extent& e, bool geographic) {
   char text[200];
   std::snprintf(text, sizeof text,
-                geographic ? "latitude %.5f to %.5f, longitude %.5f to %.5f degrees" : "y %.2f to %.2f, x %.2f to %.2f m",
+                geographic ? "latitude %.5f to %.5f, longitude %.5f to %.5f degrees"
+                           : "y %.2f to %.2f, x %.2f to %.2f m",
                 e.low.y, e.high.y, e.low.x, e.high.x);
   return text;
 }
@@ -179,7 +181,7 @@ Grid natural_from_elevation(const Elevation& elevation, const Network& network, 
 
 Grid natural_from_roads(const Network& network, const Rectangle& area, double spacing_m, double rolling_m) {
   Grid grid = empty_grid(area, spacing_m);
-  std::vector<double> sum(grid.values.size(), 0), distance2(grid.values.size(), 1e300);
+  std::vector<double> sum(grid.values.size(), 0);
   std::vector<std::uint8_t> known(grid.values.size(), 0);
   std::vector<int> count(grid.values.size(), 0);
   const double step = std::min(grid.step_m.x, grid.step_m.y);

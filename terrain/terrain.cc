@@ -22,6 +22,7 @@ constexpr int kMostNaturalPosts = 2048;  // each way
 constexpr int kMostRetries = 6;
 constexpr double kRetryFactor = 1.6;
 constexpr double kSaneGrade = 0.3;
+constexpr double kMostRaisedSpacing_m = 4;
 // Far from the roads no leg is longer than this, lest a sampled error miss a whole mountain.
 constexpr double kLegAtRoad_m = 8, kLegPerMetre = 0.12;
 
@@ -94,8 +95,29 @@ struct Terrain::Impl {
   }
 };
 
-// Chooses area, tiles and lattice: tiles of about 1 km, whole in number along the longer side.
+namespace {
+
+// Raises the post spacing where the carriageways alone would take more than half of the triangles.
+double raised_spacing_m(const Network& network, const TerrainOptions& options) {
+  const auto triangles = [&](double spacing_m) {
+    double area = 0;
+    for (const Road& road : network.roads) {
+      for (const Segment& s : road.segments) area += s.arc_m * 2 * (s.max_half_width_m() + spacing_m);
+    }
+    return 2 * area / (spacing_m * spacing_m);
+  };
+  double spacing = options.spacing_m;
+  while (spacing < kMostRaisedSpacing_m && triangles(spacing) > 0.5 * static_cast<double>(options.max_triangles)) {
+    spacing = std::min(1.1 * spacing, kMostRaisedSpacing_m);
+  }
+  return spacing;
+}
+
+}  // namespace
+
+// Chooses area, tiles and lattice: tiles of 0.5 to 1 km, whole in number along the longer side.
 void Terrain::Impl::lay_out(const Network& network, const Elevation* elevation) {
+  options.spacing_m = raised_spacing_m(network, options);
   const Bounds roads = bounds(network);
   // Never less than the embankments need.
   const double least = options.levelling.reach_m + options.levelling.shoulder_m + 2 * options.spacing_m;
@@ -108,9 +130,22 @@ void Terrain::Impl::lay_out(const Network& network, const Elevation* elevation) 
   }
   const glm::dvec2 size = area.high_m - area.low_m;
   const double longer = std::max(size.x, size.y), shorter = std::min(size.x, size.y);
-  const double wished = std::clamp(longer / kMostTiles, kTileSide_m, shorter > kTileSide_m ? 1e300 : kTileSide_m);
-  const int many = std::max(1, static_cast<int>(std::ceil(longer / wished)));
-  k = std::clamp(static_cast<int>(std::ceil(std::log2(longer / many / options.spacing_m))), 1, 14);
+  const double wished = shorter > kTileSide_m ? std::max(longer / kMostTiles, kTileSide_m) : kTileSide_m;
+  // A few more tiles than needed, where the shorter side then comes out in whole tiles and the posts as far apart as
+  // they may be.
+  const int fewest = std::max(1, static_cast<int>(std::ceil(longer / wished)));
+  const auto levels = [&](int n) {
+    return std::clamp(static_cast<int>(std::ceil(std::log2(longer / n / options.spacing_m))), 1, 14);
+  };
+  const auto waste = [&](int n) {
+    const double side = longer / n;
+    return (std::ceil(shorter / side) * side - shorter) / longer + 1 - side / (1 << levels(n)) / options.spacing_m;
+  };
+  int many = fewest;
+  for (int n = fewest + 1; n <= 2 * fewest; ++n) {
+    if (waste(n) < waste(many)) many = n;
+  }
+  k = levels(many);
   unit_m = std::max(std::ceil(longer / many / (1 << k) / kLateral_m) * kLateral_m, kLateral_m);
   const double side = unit_m * (1 << k);
   tile_count = glm::ivec2(glm::max(glm::ceil(size / side - 1e-9), glm::dvec2(1)));
@@ -138,7 +173,7 @@ bool Terrain::Impl::is_wanted(const Levelling& ground, const Bisection::Triangle
   const double leg = std::numbers::sqrt2 * radius;
   const double edge = ground.edge_distance_m(to_world(middle), radius + 4 * unit_m) - radius;
   if (edge <= 0) return true;
-  if (leg > kLegAtRoad_m + kLegPerMetre * edge) return true;
+  if (leg > factor * (kLegAtRoad_m + kLegPerMetre * edge)) return true;
 
   const double tolerance = factor * (options.tolerance_m + options.tolerance_per_m * edge);
   const auto misses = [&](double to_left, double to_right) {

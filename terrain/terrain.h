@@ -36,13 +36,14 @@ struct TerrainOptions {
   // metre away from them. > 0. Default: 0.12 m and 2 mm per metre, about 2 pixels at 60 degrees and 1080 lines
   double tolerance_m = 0.12;
   double tolerance_per_m = 0.002;
-  // The tolerances are raised until the mesh has no more triangles; the corridor along the roads is never coarsened.
+  // The tolerances are raised until the mesh has no more triangles. Where the carriageways alone would take more than
+  // half of them, spacing_m is raised too, to at most 4 m; beyond that the mesh is larger: the claim goes first.
   std::size_t max_triangles = 400000;
   double rolling_m = 40;  // height of the hills away from the roads where there is no elevation. >= 0
   std::function<void(double fraction)> progress;  // called now and then with 0 to 1; may be empty
 };
 
-// A square tile of the mesh. Positions are floats relative to the origin and exact: x and y are multiples of 1/64 m,
+// A square tile of the mesh, 0.5 to 1 km wide (more in worlds beyond 50 km). Positions are floats relative to the origin and exact: x and y are multiples of 1/64 m,
 // z of 1/1024 m, so that neighbouring tiles meet without a gap.
 struct TerrainMesh {
   glm::dvec3 origin_m{0, 0, 0};

@@ -47,7 +47,8 @@ TEST(RoadIndex, PoseAndBackGivesTheSamePlace) {
     const std::uint32_t road = static_cast<std::uint32_t>(i % 20);
     const double length = network.roads[road].length_m();
     // A circle closes over itself after its circumference: stay below it.
-    const double s = along(random) * std::min(length, 0.9 * 2 * std::numbers::pi * (150 + 10 * road)), t = across(random);
+    const double s = along(random) * std::min(length, 0.9 * 2 * std::numbers::pi * (150 + 10 * road));
+    const double t = across(random);
     const auto found = index.to_road(glm::dvec2(pose_at(network.roads[road], s, t).position_m), 0);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->at.road, road);

@@ -35,7 +35,9 @@ TEST(Grid, BicubicIsExactForQuadraticGround) {
   grid.step_m = {0.5, 2};
   grid.columns = 12;
   grid.rows = 9;
-  const auto truth = [](glm::dvec2 p) { return 1 + 2 * p.x - p.y + 0.5 * p.x * p.x - 0.25 * p.x * p.y + 0.125 * p.y * p.y; };
+  const auto truth = [](glm::dvec2 p) {
+    return 1 + 2 * p.x - p.y + 0.5 * p.x * p.x - 0.25 * p.x * p.y + 0.125 * p.y * p.y;
+  };
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       grid.values.push_back(static_cast<float>(truth(grid.origin_m + grid.step_m * glm::dvec2(column, row))));
@@ -72,7 +74,8 @@ TEST(Grid, HolesBecomeAMembrane) {
 
 TEST(Elevation, APlaneIsReadBackEverywhere) {
   const auto truth = [](double x, double y) { return 700 + 0.03 * x - 0.07 * y; };
-  const auto elevation = Elevation::open(write_ascii_grid(scratch_folder() + "/plane.asc", {1000, 2000}, 10, 60, 40, truth));
+  const auto elevation =
+      Elevation::open(write_ascii_grid(scratch_folder() + "/plane.asc", {1000, 2000}, 10, 60, 40, truth));
   ASSERT_TRUE(elevation) << elevation.error().text();
   EXPECT_FALSE(elevation->is_geographic());
   EXPECT_NEAR(elevation->post_spacing_m(), 10, 1e-9);
@@ -143,7 +146,8 @@ TEST(Elevation, AProjectedModelIsSampledByLongitudeAndLatitude) {
   write_ascii_grid(path, {495000, 5145000}, 50, 200, 200,
                    [](double x, double y) { return 1000 + 0.02 * (x - 500000) + 0.01 * (y - 5150000); });
   std::ofstream(path.substr(0, path.size() - 4) + ".prj")
-      << "PROJCS[\"WGS 84 / UTM zone 32N\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],"
+      << "PROJCS[\"WGS 84 / UTM zone 32N\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\","
+         "SPHEROID[\"WGS 84\",6378137,298.257223563]],"
          "PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],"
          "PARAMETER[\"latitude_of_origin\",0],PARAMETER[\"central_meridian\",9],PARAMETER[\"scale_factor\",0.9996],"
          "PARAMETER[\"false_easting\",500000],PARAMETER[\"false_northing\",0],UNIT[\"metre\",1]]";
@@ -175,7 +179,8 @@ TEST(NaturalGround, TheEarthIsRound) {
 TEST(NaturalGround, ThePlaceOnTheEarthIsTheOneUnderTheLiftedPoint) {
   // Steep ground far from the origin: reading it at the wrong place shows.
   const auto truth = [](double lon, double lat) { return 1500 + 60000 * (lat - 46.5) + 30000 * (lon - 8.5); };
-  const auto elevation = Elevation::open(write_ascii_grid(scratch_folder() + "/slope.asc", {8.2, 46.2}, 0.005, 121, 121, truth));
+  const auto elevation =
+      Elevation::open(write_ascii_grid(scratch_folder() + "/slope.asc", {8.2, 46.2}, 0.005, 121, 121, truth));
   ASSERT_TRUE(elevation);
   const Network network = road_at({46.5, 8.5, 0});
   const LocalFrame frame(*network.georeference);

@@ -43,7 +43,8 @@ TerrainOptions small() {
 }
 
 // Clearance by the road's own pose, not by the code under test: every step_m along and across.
-Clearance independent_clearance(const Network& network, double step_m, const std::function<double(glm::dvec2)>& ground) {
+using Ground = std::function<double(glm::dvec2)>;
+Clearance independent_clearance(const Network& network, double step_m, const Ground& ground) {
   Clearance c{1e300, -1e300, 0};
   for (const Road& road : network.roads) {
     for (double s = 0; s <= road.length_m(); s += step_m) {
@@ -112,7 +113,8 @@ TEST(Terrain, LiesBelowEveryCarriagewayButNotDeep) {
       SCOPED_TRACE(std::string(scene.name) + (e ? " on rough ground" : " without elevation"));
       const auto terrain = Terrain::build(scene.network, e, small());
       ASSERT_TRUE(terrain) << terrain.error().text();
-      const Clearance c = independent_clearance(scene.network, 0.25, [&](glm::dvec2 p) { return terrain->height_m(p); });
+      const Clearance c =
+          independent_clearance(scene.network, 0.25, [&](glm::dvec2 p) { return terrain->height_m(p); });
       EXPECT_GT(c.samples, 10000u);
       EXPECT_GE(c.min_m, kLeastClearance * 0.05);
       EXPECT_LE(c.max_m, scene.greatest_m);
@@ -137,7 +139,8 @@ TEST(Terrain, ANaiveGridOfTheSameGroundCutsThroughTheRoad) {
   naive.values.clear();
   for (int row = 0; row < naive.rows; ++row) {
     for (int column = 0; column < naive.columns; ++column) {
-      naive.values.push_back(static_cast<float>(ground.height_m(naive.origin_m + naive.step_m * glm::dvec2(column, row))));
+      const glm::dvec2 post = naive.origin_m + naive.step_m * glm::dvec2(column, row);
+      naive.values.push_back(static_cast<float>(ground.height_m(post)));
     }
   }
   const Clearance c = independent_clearance(network, 0.25, [&](glm::dvec2 p) { return sample_bilinear(naive, p); });
@@ -151,7 +154,8 @@ TEST(Terrain, ANaiveGridOfTheSameGroundCutsThroughTheRoad) {
 TEST(Terrain, UnderABridgeTheLowerRoadWins) {
   Network network;
   const auto level = [](double z) { return [z](double) { return z; }; };
-  network.roads.push_back(road_along("low", 200, 20, 4, [](double s) { return straight({-100, 0}, 0, s); }, level(500)));
+  network.roads.push_back(
+      road_along("low", 200, 20, 4, [](double s) { return straight({-100, 0}, 0, s); }, level(500)));
   network.roads.push_back(
       road_along("bridge", 200, 20, 4, [](double s) { return straight({0, -100}, kPi / 2, s); }, level(507)));
   const auto terrain = Terrain::build(network, nullptr, small());
