@@ -5,13 +5,18 @@ layout(std140, binding = 0) uniform Frame {
   mat4 clip_from_relative;  // reversed depth: near plane 1, infinity 0
   vec4 eye_high;            // eye in ENU metres = eye_high + eye_low (two floats hold what one double does)
   vec4 eye_low;
-  vec4 eye_phase;           // xy: eye modulo NOISE_PERIOD
+  vec4 eye_phase;           // xy: eye modulo NOISE_PERIOD; zw: tangents of half the field of view, across and up
   vec4 forward;             // unit view axes in ENU; forward.w: near plane distance, m
   vec4 right;               // right.w: size of a pixel at distance 1
   vec4 up;
   vec4 sun;                 // unit direction toward the sun; w: haze range, m
   vec4 ground;              // x: lowest ground relative to the eye, m; y: 1 / relief, per m
 };
+
+// The view direction (1 along the view axis) at a corner of the picture, each coordinate of which is -1 or 1.
+vec3 frame_corner_ray(vec2 corner) {
+  return forward.xyz + right.xyz * (corner.x * eye_phase.z) + up.xyz * (corner.y * eye_phase.w);
+}
 
 // Direct sun, sky light and haze on a diffuse surface. position: relative to the eye.
 vec3 frame_shade(vec3 albedo, vec3 normal, vec3 position) {

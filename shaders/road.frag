@@ -22,38 +22,56 @@ in vec2 chord_point;
 in vec3 linear;
 #endif
 
+float half_width_m(float u, RoadSurface r) {
+  return road_cubic(clamp(surface_arc(u, r), 0.0, r.arc), half_width.x, half_width.y, half_width.z, half_width.w);
+}
+
 #ifdef RELIEF
-// Where the eye ray meets the surface, in chord axes (metres); false where it does not within this segment's box.
+// Keeps of the interval k the part where value + k slope >= 0.
+void clip_interval(inout vec2 k, float value, float slope) {
+  float crossing = -value / (abs(slope) < 1e-9 ? 1e-9 : slope);
+  if (slope > 0.0) {
+    k.x = max(k.x, crossing);
+  } else {
+    k.y = min(k.y, crossing);
+  }
+}
+
+// Where the eye ray meets the surface, in chord axes (metres); false where it does not on this segment.
 bool intersect(RoadSurface r, out RoadHit hit, out vec3 place) {
   vec3 along = point - eye;
   float reach = length(along);
   along /= reach;
-  // The ray's part inside the box, from `point` backward: k <= 0.
-  float x_low = min(min(-r.a * box.x, -r.a * box.y), 0.0) * r.chord - 1.0;
-  float x_high = max(max(1.0 - r.b * box.x, 1.0 - r.b * box.y), 1.0) * r.chord + 1.0;
-  vec3 low = vec3(x_low, box.x * r.chord - 3.0, box.z - 0.02);
-  vec3 high = vec3(x_high, box.y * r.chord + 3.0, box.w + 0.02);
-  vec3 slope = vec3(abs(along.x) < 1e-7 ? 1e-7 : along.x, abs(along.y) < 1e-7 ? 1e-7 : along.y,
-                    abs(along.z) < 1e-7 ? 1e-7 : along.z);
-  vec3 k0 = (low - point) / slope;
-  vec3 k1 = (high - point) / slope;
-  vec3 k_in = min(k0, k1);
-  vec3 k_out = max(k0, k1);
-  float k_low = max(max(k_in.x, k_in.y), max(k_in.z, -reach));
-  float k_high = max(min(min(k_out.x, k_out.y), k_out.z), k_low);
   vec3 from = vec3(point.xy / r.chord, point.z);
   vec3 toward = vec3(along.xy / r.chord, along.z);
+  // The part of the ray between the joints' lines, which run through the anchors across the tangents (beyond them a
+  // neighbour takes over; they overlap by a millimetre), and within the segment's width and range of heights.
+  float hair = 1e-3 / r.chord;
+  vec2 k = vec2(-reach, 1e6);
+  clip_interval(k, from.x + r.a * from.y + hair, toward.x + r.a * toward.y);
+  clip_interval(k, 1.0 - from.x - r.b * from.y + hair, -toward.x - r.b * toward.y);
+  clip_interval(k, from.y - box.x, toward.y);
+  clip_interval(k, box.y - from.y, -toward.y);
+  clip_interval(k, from.z - box.z, toward.z);
+  clip_interval(k, box.w - from.z, -toward.z);
+  if (!(k.x <= k.y)) return false;
+
   float start = surface_chord_plane(from.x, from.z, toward.x, toward.z, r);
   // A hundredth of a pixel, or a millimetre.
-  float tolerance = max(1e-3, 0.01 * right.w * (reach + k_low));
-  hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k_low, k_high, r);
+  float tolerance = max(1e-3, 0.01 * right.w * (reach + k.x));
+  hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k.x, k.y, r);
   if (hit.residual > tolerance) {
-    // Rays that nearly touch a crest: once more from the middle.
-    start = 0.5 * (k_low + k_high);
-    hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k_low, k_high, r);
+    k = surface_bracket(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, r);
+    hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.x, k.y, r);
+  }
+  // A ray nearly along the surface may meet it twice, once beside the road: look from the far end too.
+  bool beside = hit.residual > tolerance || abs(hit.v) * r.chord > half_width_m(hit.u, r);
+  if (beside && abs(toward.z - surface_height(1.0, r) * toward.x) < 0.03) {
+    RoadHit other = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, k.x, k.y, r);
+    if (other.residual <= tolerance && abs(other.v) < abs(hit.v)) hit = other;
   }
   place = point + hit.k * along;
-  return hit.residual <= tolerance && reach + hit.k > 0.0;
+  return hit.residual <= tolerance;
 }
 #endif
 
@@ -86,9 +104,6 @@ void main() {
   c.v = hit.v;
   vec3 from_eye = place - eye;
   position = vec3(axis * from_eye.x + vec2(-axis.y, axis.x) * from_eye.y, from_eye.z);
-  // Beyond the joints' lines, which run through the anchors across the tangents, a neighbour takes over.
-  float hair = 1e-3 / r.chord;
-  if (p.x + r.a * p.y < -hair || 1.0 - p.x - r.b * p.y < -hair) discard;
 #else
   p = chord_point;
   c = road_project_linear(linear.x, linear.y, linear.z, p.x, p.y, r.a, r.b);
@@ -96,7 +111,7 @@ void main() {
   // Clamped before any use: lanes that end in a discard may hold anything.
   float s = clamp(surface_arc(c.u, r), 0.0, r.arc);
   float t = clamp(c.v * r.chord, -1e3, 1e3);
-  float w = road_cubic(s, half_width.x, half_width.y, half_width.z, half_width.w);
+  float w = half_width_m(c.u, r);
 
   // Tangent frame of the surface, level across.
   float df = road_df(c.u, r.a, r.b);

@@ -189,7 +189,8 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   u.clip_from_relative = glm::mat4(clip_from_relative(camera, static_cast<double>(width) / height));
   u.eye_high = glm::vec4(eye.high, 0);
   u.eye_low = glm::vec4(eye.low, 0);
-  u.eye_phase = glm::dvec4(phase(camera.position_m.x), phase(camera.position_m.y), 0, 0);
+  u.eye_phase = glm::dvec4(phase(camera.position_m.x), phase(camera.position_m.y), 0.5 * pixel * width,
+                           0.5 * pixel * height);
   u.forward = glm::dvec4(axes.forward, camera.near_m);
   u.right = glm::dvec4(axes.right, pixel);
   u.up = glm::dvec4(axes.up, 0);
@@ -232,11 +233,9 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, relief.count);
     glDisable(GL_CULL_FACE);
   }
-  const double half = std::tan(camera.fov_deg * std::numbers::pi / 360);
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
   programs.sky.use();
-  glUniform2f(0, static_cast<float>(half * width / height), static_cast<float>(half));
   glBindVertexArray(empty.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDepthMask(GL_TRUE);

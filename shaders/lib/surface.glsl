@@ -69,3 +69,27 @@ FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
   }
   return hit;
 }
+
+// Height of the ray above the surface at k.
+FN float surface_above(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz, IN(float) k,
+                       IN(RoadSurface) r) {
+  RoadCoord c = road_project(x + k * dx, y + k * dy, r.a, r.b);
+  return z + k * dz - surface_height(c.u, r);
+}
+
+// Halves [k_low, k_high] twelve times, keeping the end where the ray is on the other side of the surface than at k_low:
+// a short interval (x to y of the result) for rays so nearly along the surface that Newton strays.
+FN vec2 surface_bracket(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
+                        IN(float) k_low, IN(float) k_high, IN(RoadSurface) r) {
+  float first = surface_above(x, y, z, dx, dy, dz, k_low, r);
+  vec2 k = vec2(k_low, k_high);
+  for (int i = 0; i < 12; ++i) {
+    float middle = 0.5 * (k.x + k.y);
+    if (surface_above(x, y, z, dx, dy, dz, middle, r) * first > 0.0) {
+      k.x = middle;
+    } else {
+      k.y = middle;
+    }
+  }
+  return k;
+}
