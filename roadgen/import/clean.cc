@@ -53,10 +53,8 @@ std::vector<CleanPoint> without_repetitions(const Track& track, const std::vecto
       points.push_back(point);
       continue;
     }
-    // Its height may be the only valid one of the two.
     TrackPoint& kept = points.back().source;
-    if (!kept.height_m || *kept.height_m == 0)
-      kept.height_m = point.source.height_m ? point.source.height_m : kept.height_m;
+    if (!kept.height_m) kept.height_m = point.source.height_m;
     if (!first) first = &track.points[i];
     last = &track.points[i];
   }
@@ -361,7 +359,7 @@ Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vecto
   if (closed && points.size() > 1 && same_place(points.front(), points.back())) {
     TrackPoint& first = points.front().source;
     const std::optional<double>& last = points.back().source.height_m;
-    if (last && (!first.height_m || *first.height_m == 0)) first.height_m = last;
+    if (!first.height_m) first.height_m = last;
     points.pop_back();
   }
   if (points.size() >= 3) drop_excursions(points, closed, track, diagnostics);
