@@ -100,8 +100,29 @@ std::vector<std::size_t> worst_heights(std::span<const double> knots_m, std::spa
   return worst;
 }
 
+// The measured heights along a road, and which samples they are; without those that no road follows.
+struct Heights {
+  std::vector<HeightSample> samples;
+  std::vector<std::size_t> index;
+};
+
+Heights heights_along(const Road& road, std::span<const Sample> samples, double max_error_m) {
+  const std::vector<Located> located = locate(road, samples);
+  std::vector<HeightSample> all;
+  for (std::size_t i = 0; i < samples.size(); ++i) all.push_back({located[i].s_m, samples[i].elevation_m});
+  const std::vector<char> plausible = plausible_heights(all, max_error_m);
+  Heights heights;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!plausible[i]) continue;
+    heights.samples.push_back(all[i]);
+    heights.index.push_back(i);
+  }
+  return heights;
+}
+
 // Gives the anchors heights and grades, and the curve more anchors where the heights need them.
-Result<std::vector<Anchor>> fit_heights(CurveFit& curve, std::span<const Sample> samples, const FitOptions& options) {
+Result<std::vector<Anchor>> fit_heights(CurveFit& curve, std::span<const Sample> samples, const FitOptions& options,
+                                        Diagnostics* diagnostics) {
   AlignmentOptions alignment = alignment_options(options);
   std::size_t before = 0;
   for (int round = 0;; ++round) {
@@ -109,21 +130,26 @@ Result<std::vector<Anchor>> fit_heights(CurveFit& curve, std::span<const Sample>
     Result<Road> road = road_from_anchors(anchors, alignment);
     if (!road) return road.error();
     const std::vector<double> knots = stations(*road, anchors);
-    std::vector<HeightSample> heights;
-    const std::vector<Located> located = locate(*road, samples);
-    for (std::size_t i = 0; i < samples.size(); ++i) heights.push_back({located[i].s_m, samples[i].elevation_m});
+    const Heights heights = heights_along(*road, samples, options.max_elevation_error_m);
     const double limit = options.max_elevation_error_m * (1 - 1e-6);
-    const ProfileFit fit = fit_profile(knots, heights, options.closed, road->length_m(), limit);
+    const ProfileFit fit = fit_profile(knots, heights.samples, options.closed, road->length_m(), limit);
     const bool stuck = round > 0 && anchors.size() == before;
     if (fit.max_error_m <= limit || stuck || round == kMostProfileRounds) {
       for (std::size_t i = 0; i < anchors.size(); ++i) {
         anchors[i].elevation_m = fit.z_m[i];
         anchors[i].grade = fit.grade[i];
       }
+      if (const std::size_t wrong = samples.size() - heights.index.size(); wrong > 0) {
+        warn(diagnostics, std::to_string(wrong) + " of " + std::to_string(samples.size()) +
+                              " heights would make the road steeper than " + number(kSteepestGrade) +
+                              ": left out of the fit");
+      }
       return anchors;
     }
     before = anchors.size();
-    curve.add_on_curve(worst_heights(knots, heights, fit, limit));
+    std::vector<std::size_t> worst = worst_heights(knots, heights.samples, fit, limit);
+    for (std::size_t& i : worst) i = heights.index[i];
+    curve.add_on_curve(worst);
   }
 }
 
@@ -138,7 +164,7 @@ Result<FittedRoad> fit_road(std::span<const Sample> samples, const FitOptions& o
   }
   CurveFit curve(kept, options);
   curve.run();
-  Result<std::vector<Anchor>> anchors = fit_heights(curve, kept, options);
+  Result<std::vector<Anchor>> anchors = fit_heights(curve, kept, options, diagnostics);
   if (!anchors) return anchors.error();
   Result<Road> road = road_from_anchors(*anchors, alignment_options(options), diagnostics);
   if (!road) return road.error();

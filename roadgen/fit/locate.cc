@@ -86,7 +86,7 @@ std::vector<Located> locate(const Road& road, std::span<const Sample> samples) {
     SegmentTree::Hit best = near;
     tree.improve(best, sample.position_m);
     // Another strand may be nearer where the road crosses itself, but by no more than its width.
-    const bool stays = !all.empty() && near.nearest.distance_m <= best.nearest.distance_m + sample.half_width_m;
+    const bool stays = near.nearest.distance_m <= best.nearest.distance_m + sample.half_width_m;
     const SegmentTree::Hit& place = stays ? near : best;
     const Segment& segment = road.segments[place.segment];
     all.push_back({best.nearest.distance_m, place.segment,

@@ -13,8 +13,11 @@ namespace roadgen {
 namespace {
 
 // Greatest and least weight of the second derivative, m^3.
-constexpr double kGreatestLambda = 1e9;
-constexpr double kLeastLambda = 1e-4;
+constexpr double kGreatestLambda = 1e7;
+constexpr double kLeastLambda = 1e-2;
+// Weight of the grade: it levels what lies beyond the samples, and bends what lies between them by no more than the
+// grade times the root of this and the samples' distance.
+constexpr double kGradeWeight_m = 0.02;
 
 // Values at one place of the four Hermite functions: height and grade at the knot before, and at the knot after.
 struct Basis {
@@ -94,7 +97,21 @@ class Profile {
   Profile(std::span<const double> knots_m, bool closed, double length_m)
       : knots_m_(knots_m), closed_(closed), length_m_(length_m) {}
 
-  ProfileFit fit(std::span<const HeightSample> samples, double lambda) const {
+  struct Place {
+    std::size_t knot, next;
+    double x, length_m;  // x in [0, 1] between them
+  };
+
+  Place place(double s_m) const {
+    const auto after = std::upper_bound(knots_m_.begin(), knots_m_.end(), s_m);
+    const std::size_t m = knots_m_.size();
+    std::size_t knot = after == knots_m_.begin() ? 0 : static_cast<std::size_t>(after - knots_m_.begin()) - 1;
+    if (!closed_) knot = std::min(knot, m - 2);
+    const double length = length_after(knot);
+    return {knot, knot + 1 == m ? 0 : knot + 1, std::clamp((s_m - knots_m_[knot]) / length, 0.0, 1.0), length};
+  }
+
+  ProfileFit fit(std::span<const HeightSample> samples, std::span<const double> lambda) const {
     const std::size_t m = knots_m_.size();
     Normal n{std::vector<glm::dmat2>(m, glm::dmat2(0)), std::vector<glm::dmat2>(m, glm::dmat2(0)),
              std::vector<glm::dvec2>(m, glm::dvec2(0))};
@@ -103,11 +120,12 @@ class Profile {
       const Place p = place(sample.s_m);
       n.add(p.knot, p.next, basis(p.x, p.length_m), sample.z_m - base, 1);
     }
-    for (std::size_t i = 0; i < (closed_ ? m : m - 1); ++i) add_bending(n, i, lambda);
-    for (std::size_t i = 0; i < m; ++i) {
-      // A trace of pull to level ground, for knots that no sample determines.
-      n.diagonal[i] += glm::dmat2(1e-9, 0, 0, 1e-9);
+    for (std::size_t i = 0; i < (closed_ ? m : m - 1); ++i) {
+      add_bending(n, i, lambda[i]);
+      add_grade(n, i);
     }
+    // A trace of pull to level ground, for a loop without samples.
+    for (glm::dmat2& d : n.diagonal) d += glm::dmat2(1e-9, 0, 0, 1e-9);
     const std::vector<glm::dvec2> unknowns = solve(n, closed_);
     ProfileFit fit;
     for (const glm::dvec2 u : unknowns) {
@@ -125,22 +143,8 @@ class Profile {
   }
 
  private:
-  struct Place {
-    std::size_t knot, next;
-    double x, length_m;  // x in [0, 1] between them
-  };
-
   double length_after(std::size_t knot) const {
     return knot + 1 < knots_m_.size() ? knots_m_[knot + 1] - knots_m_[knot] : length_m_ - knots_m_[knot] + knots_m_[0];
-  }
-
-  Place place(double s_m) const {
-    const auto after = std::upper_bound(knots_m_.begin(), knots_m_.end(), s_m);
-    const std::size_t m = knots_m_.size();
-    std::size_t knot = after == knots_m_.begin() ? 0 : static_cast<std::size_t>(after - knots_m_.begin()) - 1;
-    if (!closed_) knot = std::min(knot, m - 2);
-    const double length = length_after(knot);
-    return {knot, knot + 1 == m ? 0 : knot + 1, std::clamp((s_m - knots_m_[knot]) / length, 0.0, 1.0), length};
   }
 
   // lambda times the integral of z''^2, exactly: z'' is linear, so the integral is h (mean^2 + difference^2 / 12).
@@ -154,6 +158,17 @@ class Profile {
     n.add(i, next, difference, 0, lambda * h / 12);
   }
 
+  // kGradeWeight_m times the integral of z'^2, by Gauss's rule with three points, which is exact.
+  void add_grade(Normal& n, std::size_t i) const {
+    const double h = length_after(i);
+    const std::size_t next = i + 1 == knots_m_.size() ? 0 : i + 1;
+    for (const double node : {-1.0, 0.0, 1.0}) {
+      const double x = 0.5 + node * 0.5 * std::sqrt(0.6), w = 1 - x, weight = (node == 0 ? 8 : 5) / 18.0;
+      const Basis slope{{-6 * x * w / h, w * (w - 2 * x)}, {6 * x * w / h, x * (x - 2 * w)}};
+      n.add(i, next, slope, 0, kGradeWeight_m * weight * h);
+    }
+  }
+
   std::span<const double> knots_m_;
   bool closed_;
   double length_m_;
@@ -161,15 +176,48 @@ class Profile {
 
 }  // namespace
 
+std::vector<char> plausible_heights(std::span<const HeightSample> samples, double max_error_m) {
+  const std::size_t n = samples.size();
+  // The longest chain that ends at each sample, and the sample before it there.
+  std::vector<int> length(n, 1);
+  std::vector<std::size_t> before(n, n);
+  for (std::size_t i = 1; i < n; ++i) {
+    for (std::size_t j = i - std::min(i, kStepReach); j < i; ++j) {
+      const double run = std::abs(samples[i].s_m - samples[j].s_m), rise = std::abs(samples[i].z_m - samples[j].z_m);
+      const int cost = rise <= kSteepestGrade * run + 2 * max_error_m ? 0 : kStepCost;
+      if (length[j] + 1 - cost <= length[i]) continue;
+      length[i] = length[j] + 1 - cost;
+      before[i] = j;
+    }
+  }
+  std::vector<char> plausible(n, 0);
+  if (n == 0) return plausible;
+  std::size_t i = static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin());
+  for (; i < n; i = before[i]) plausible[i] = 1;
+  return plausible;
+}
+
 ProfileFit fit_profile(std::span<const double> knots_m, std::span<const HeightSample> samples, bool closed,
                        double length_m, double max_error_m) {
   const Profile profile(knots_m, closed, length_m);
-  ProfileFit fit;
-  for (double lambda = kGreatestLambda; lambda >= kLeastLambda; lambda /= 10) {
-    fit = profile.fit(samples, lambda);
-    if (fit.max_error_m <= max_error_m) return fit;
+  const std::size_t m = knots_m.size();
+  std::vector<double> lambda(m, kGreatestLambda);
+  for (;;) {
+    ProfileFit fit = profile.fit(samples, lambda);
+    std::vector<char> softer(m, 0);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (fit.error_m[i] > max_error_m) softer[profile.place(samples[i].s_m).knot] = 1;
+    }
+    bool changed = false;
+    for (std::size_t i = 0; i < m; ++i) {
+      // The neighbours yield too: a bend at a knot takes both sides.
+      const bool before = softer[i == 0 ? (closed ? m - 1 : 0) : i - 1], after = softer[i + 1 == m ? (closed ? 0 : i) : i + 1];
+      if (!(softer[i] || before || after) || lambda[i] <= kLeastLambda) continue;
+      lambda[i] /= 10;
+      changed = true;
+    }
+    if (!changed) return fit;
   }
-  return fit;
 }
 
 }  // namespace roadgen

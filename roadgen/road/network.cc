@@ -77,6 +77,10 @@ void check_joint(const Road& road, const Segment& before, const Segment& after, 
   if (gap.heading_rad > 1e-9 + 1e-15 * size / shortest) {
     report.problems.push_back(at(road, s, "heading gap of " + number("%.3g", gap.heading_rad) + " rad"));
   }
+  const double s_gap = std::abs(after.s_start_m - before.s_start_m - before.arc_m);
+  if (s != 0 && !(s_gap <= 1e-9 + 1e-12 * s)) {
+    report.problems.push_back(at(road, s, "arc length jumps by " + number("%.3g", s_gap) + " m"));
+  }
   if (gap.elevation_m > 1e-6) {
     report.problems.push_back(at(road, s, "elevation gap of " + number("%.3g", gap.elevation_m) + " m"));
   }

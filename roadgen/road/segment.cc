@@ -18,13 +18,12 @@ constexpr std::array<double, 4> kGaussNode = {0.1834346424956498, 0.525532409916
 constexpr std::array<double, 4> kGaussWeight = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
                                                 0.1012285362903763};
 
-// Arc length of the chord-frame curve from u0 to u1, in units of L.
-double arc_between(double u0, double u1, double a, double b) {
-  // The integrand is smooth with |f'| of order 1: four panels of 8 points reach 1e-13.
-  constexpr int kPanels = 4;
+// Arc length of the chord-frame curve from u0 to u1, in units of L. The integrand is smooth with |f'| of order 1: four
+// panels of 8 points reach 1e-13 over the whole of [0, 1].
+double arc_between(double u0, double u1, double a, double b, int panels = 4) {
   double sum = 0;
-  for (int panel = 0; panel < kPanels; ++panel) {
-    const double half = (u1 - u0) / (2 * kPanels);
+  for (int panel = 0; panel < panels; ++panel) {
+    const double half = (u1 - u0) / (2 * panels);
     const double middle = u0 + half * (2 * panel + 1);
     for (std::size_t i = 0; i < kGaussNode.size(); ++i) {
       for (const double node : {-kGaussNode[i], kGaussNode[i]}) {
@@ -60,6 +59,22 @@ double max_residual(double a, double b, double f0, double f1, double f2) {
     worst = std::max(worst, std::abs(Lib::road_f(x, a, b) * Lib::road_df(x, a, b)));
   }
   return std::min(worst + (f1 * f1 + f0 * f2) * 0.5 / kPieces, f0 * f1);
+}
+
+// The minimum of the distance from p in [low, high], from u: Newton inside a shrinking bracket.
+double refined_nearest(glm::dvec2 p, double a, double b, double low, double u, double high) {
+  for (int i = 0; i < 60; ++i) {
+    const double d = p.y - Lib::road_f(u, a, b), df = Lib::road_df(u, a, b);
+    const double toward = p.x - u + d * df;  // positive: the nearest point lies at greater u
+    (toward > 0 ? low : high) = u;
+    const double slope = d * Lib::road_ddf(u, a, b) - df * df - 1;
+    double next = slope < 0 ? u - toward / slope : 0.5 * (low + high);
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    const bool still = std::abs(next - u) < 1e-15;
+    u = next;
+    if (still) break;
+  }
+  return u;
 }
 
 }  // namespace
@@ -104,10 +119,12 @@ void set_arc(Segment& segment) {
   double error = 0, exact = 0;
   for (int i = 1; i < kProbes; ++i) {
     const double u = static_cast<double>(i) / kProbes;
-    exact += arc_between(u - 1.0 / kProbes, u, a, b);
+    exact += arc_between(u - 1.0 / kProbes, u, a, b, 1);
     error = std::max(error, std::abs(Lib::road_arc(u, a, b, arc, segment.arc_c0, segment.arc_c1) - exact));
   }
-  segment.arc_error_m = error * length;
+  // The error swings three times between its zeros; a peak between two probes is less than this much higher.
+  constexpr double kBetweenProbes = 1.05;
+  segment.arc_error_m = kBetweenProbes * error * length;
 }
 
 void set_bound(Segment& segment) {
@@ -241,28 +258,19 @@ Nearest nearest(const Segment& segment, glm::dvec2 point_m) {
     const double dx = p.x - u, dy = p.y - Lib::road_f(u, a, b);
     return dx * dx + dy * dy;
   };
-  // The squared distance is a polynomial of degree 6: at most three minima. Start from the best of a few samples.
-  constexpr int kSamples = 8;
-  int best = 0;
-  double least = kInfinity;
+  // The squared distance is a polynomial of degree 6, with at most three minima: each that a few samples show is refined.
+  constexpr int kSamples = 12;
+  std::array<double, kSamples + 1> sample;
+  for (int i = 0; i <= kSamples; ++i) sample[i] = distance2(static_cast<double>(i) / kSamples);
+  double best = 0, least = kInfinity;
   for (int i = 0; i <= kSamples; ++i) {
-    const double d = distance2(static_cast<double>(i) / kSamples);
-    if (d < least) least = d, best = i;
+    if ((i > 0 && sample[i - 1] < sample[i]) || (i < kSamples && sample[i + 1] < sample[i])) continue;
+    const double u = refined_nearest(p, a, b, std::max(0.0, (i - 1.0) / kSamples), static_cast<double>(i) / kSamples,
+                                     std::min(1.0, (i + 1.0) / kSamples));
+    const double d = distance2(u);
+    if (d < least) least = d, best = u;
   }
-  double low = std::max(0.0, (best - 1.0) / kSamples), high = std::min(1.0, (best + 1.0) / kSamples);
-  double u = static_cast<double>(best) / kSamples;
-  for (int i = 0; i < 60; ++i) {
-    const double d = p.y - Lib::road_f(u, a, b), df = Lib::road_df(u, a, b);
-    const double toward = p.x - u + d * df;  // positive: the nearest point lies at greater u
-    (toward > 0 ? low : high) = u;
-    const double slope = d * Lib::road_ddf(u, a, b) - df * df - 1;
-    double next = slope < 0 ? u - toward / slope : 0.5 * (low + high);
-    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-    const bool still = std::abs(next - u) < 1e-15;
-    u = next;
-    if (still) break;
-  }
-  return {u, std::sqrt(distance2(u)) * segment.chord_length_m()};
+  return {best, std::sqrt(least) * segment.chord_length_m()};
 }
 
 Quad fitted_quad(const Segment& segment) {

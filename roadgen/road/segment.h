@@ -43,7 +43,7 @@ struct Segment {
   double s_start_m = 0;           // arc length of the road at the start anchor
   double arc_m = 1;               // arc length of this segment, exact to 1e-12 relative
   double arc_c0 = 0, arc_c1 = 0;  // inner coefficients of road_arc, per L
-  double arc_error_m = 0;         // measured maximum of |s(u) - exact arc length|
+  double arc_error_m = 0;         // maximum of |s(u) - exact arc length|, measured with a margin of 5 %
   Cubic elevation_m;              // z(s - s_start)
   Cubic half_width_m{3.5, 0, 0, 0};
   MappingBound bound;             // for the greatest half width
