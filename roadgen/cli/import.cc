@@ -79,6 +79,12 @@ Status settle(Options& o) {
       return Error{ErrorCode::kUsage, "is a source and the output: name another output", o.output};
     }
   }
+  const auto plain = [](const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  if (!o.report.empty() && plain(o.report) == plain(o.output)) {
+    return Error{ErrorCode::kUsage, "is the output and the report: name two files", o.output};
+  }
   if (Status status = check_writable(o.output); !status) return status;
   return o.report.empty() || o.report == "-" ? Status(Done{}) : check_writable(o.report);
 }

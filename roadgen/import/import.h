@@ -44,8 +44,8 @@ struct ImportResult {
 // Called with the part that is done, in [0, 1], and what is being done.
 using Progress = std::function<void(double part, const std::string& what)>;
 
-// Reads, cleans and fits every track of the files (see track.h and clean.h for what that is). All files share one frame:
-// either all hold latitudes and longitudes or all hold metres.
+// Reads, cleans and fits every track of the files (see track.h and clean.h for what that is). All files share one
+// frame: either all hold latitudes and longitudes or all hold metres.
 // Tracks with fewer than two distinct points are left out with a warning where others remain.
 // Errors: kUsage for options out of range, an origin given for metres, no files; else as the readers, clean_track and
 // fit_road, with file and element.

@@ -37,7 +37,8 @@ std::string import_report(const ImportResult& result) {
   }
   report["roads"] = Json::array();
   for (std::size_t i = 0; i < result.certificates.size(); ++i) {
-    report["roads"].push_back(certificate_json(result.certificates[i], result.network.roads[i], result.allowed_error_m[i]));
+    report["roads"].push_back(
+        certificate_json(result.certificates[i], result.network.roads[i], result.allowed_error_m[i]));
   }
   report["diagnostics"] = Json::array();
   for (const Diagnostic& d : result.diagnostics) {

@@ -29,8 +29,8 @@ struct Track {
   std::vector<TrackPoint> points = {};
 };
 
-// All tracks of a file, by the ending of its name: .csv, .txt (see csv.h), .gpx (gpx.h), .geojson, .json, .kml, .shp, .gpkg
-// (see ogr.h). Points whose position is missing or not finite are left out with a diagnostic.
+// All tracks of a file, by the ending of its name: .csv and .txt (see csv.h), .gpx (see gpx.h), .geojson, .json, .kml,
+// .shp and .gpkg (see ogr.h). Points whose position is missing or not finite are left out with a diagnostic.
 // Errors: kIo; kParse with the line where known; kData where the file holds no line.
 Result<std::vector<Track>> read_tracks(const std::string& path, Diagnostics& diagnostics);
 

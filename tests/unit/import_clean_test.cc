@@ -1,10 +1,10 @@
-#include "roadgen/import/clean.h"
+#include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numbers>
 
-#include <glm/geometric.hpp>
-#include <gtest/gtest.h>
+#include "roadgen/import/clean.h"
 
 namespace roadgen {
 namespace {
@@ -88,8 +88,8 @@ TEST(Clean, ClosedIsDecidedBySpacingLengthAndDirection) {
     EXPECT_TRUE(tracks[0].closed);
     EXPECT_EQ(tracks[0].points.size(), 100u);
   }
-  EXPECT_FALSE(cleaned(circle(100, 200, 0.9), diagnostics)[0].closed);   // a wide gap
-  EXPECT_FALSE(cleaned(circle(12, 200, 1), diagnostics)[0].closed);      // more than 2 % of the length
+  EXPECT_FALSE(cleaned(circle(100, 200, 0.9), diagnostics)[0].closed);  // a wide gap
+  EXPECT_FALSE(cleaned(circle(12, 200, 1), diagnostics)[0].closed);     // more than 2 % of the length
   EXPECT_TRUE(cleaned(circle(100, 200, 0.9), diagnostics, {Closed::kYes, 7})[0].closed);
   EXPECT_FALSE(cleaned(repeated, diagnostics, {Closed::kNo, 7})[0].closed);
 }
@@ -144,7 +144,12 @@ TEST(Clean, ASlipOfOnePointIsDropped) {
 
 TEST(Clean, ZeroAndVoidHeightsAreInterpolatedOverDistance) {
   Made m = made();
-  m.add(0, 0, 0.0).add(10, 0, 500.0).add(20, 0, -32768.0).add(50, 0, 0.0).add(60, 0, 505.0).add(70, 0, -9999.0);
+  m.add(0, 0, 0.0)
+      .add(10, 0, 500.0)
+      .add(20, 0, -32768.0)
+      .add(50, 0, 0.0)
+      .add(60, 0, 505.0)
+      .add(70, 0, -9999.0);
   Diagnostics diagnostics;
   const auto tracks = cleaned(m, diagnostics);
   const auto& p = tracks[0].points;

@@ -1,15 +1,14 @@
 // OpenDRIVE: what is written is read back, and what cannot be read is told.
-#include "roadgen/import/opendrive.h"
+#include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numbers>
 #include <random>
 
-#include <glm/geometric.hpp>
-#include <gtest/gtest.h>
-
 #include "roadgen/export/opendrive.h"
 #include "roadgen/fit/catmull_rom.h"
+#include "roadgen/import/opendrive.h"
 #include "roadgen/import/param_poly3.h"
 
 namespace roadgen {
@@ -18,7 +17,8 @@ namespace {
 // A road that wanders, or a loop, far from the origin; heights and widths vary.
 Road random_road(std::mt19937& random, bool closed) {
   std::uniform_real_distribution<double> unit(0, 1);
-  const glm::dvec2 centre = (glm::dvec2(unit(random), unit(random)) - 0.5) * std::pow(10.0, 1 + 6 * unit(random));
+  const glm::dvec2 centre =
+      (glm::dvec2(unit(random), unit(random)) - 0.5) * std::pow(10.0, 1 + 6 * unit(random));
   std::vector<Anchor> anchors;
   const int count = 8 + static_cast<int>(12 * unit(random));
   for (int i = 0; i < count; ++i) {
@@ -40,7 +40,8 @@ Network random_network(unsigned seed) {
   std::uniform_real_distribution<double> unit(-1, 1);
   Network network;
   network.name = "a <b> & \"c\" \xC3\xBC";
-  if (seed % 3 != 0) network.georeference = Georeference{90 * unit(random), 180 * unit(random), 1000 * unit(random)};
+  if (seed % 3 != 0)
+    network.georeference = Georeference{90 * unit(random), 180 * unit(random), 1000 * unit(random)};
   for (int i = 0; i < 3; ++i) {
     Road road = random_road(random, (seed + i) % 2 == 0);
     road.id = std::to_string(i + 1);
@@ -129,7 +130,10 @@ TEST(ParamPoly3, AGraphOverItsChordIsReadInEveryTurnAndRange) {
   for (int i = 0; i < 200; ++i) {
     const double a = slope(random), b = slope(random), length = 1 + std::abs(metre(random));
     // (x, f(x)) over a chord of that length along x.
-    ParametricCubic curve{{metre(random), metre(random)}, {length, a * length}, {0, -(2 * a + b) * length}, {0, (a + b) * length}};
+    ParametricCubic curve{{metre(random), metre(random)},
+                          {length, a * length},
+                          {0, -(2 * a + b) * length},
+                          {0, (a + b) * length}};
     curve = curve.rescaled(1 / length).rescaled(length).turned(angle(random));
     const Result<Segment> segment = segment_from_cubic(curve);
     ASSERT_TRUE(segment.ok()) << segment.error().message;
@@ -141,11 +145,11 @@ TEST(ParamPoly3, AGraphOverItsChordIsReadInEveryTurnAndRange) {
 
 TEST(ParamPoly3, OtherCurvesAreErrors) {
   const auto fails = [](ParametricCubic curve) { return !segment_from_cubic(curve).ok(); };
-  EXPECT_TRUE(fails({{0, 0}, {0, 0}, {0, 0}, {0, 0}}));               // no length
-  EXPECT_TRUE(fails({{0, 0}, {10, 0}, {-3, 1}, {3, 1}}));             // not linear along the chord
-  EXPECT_TRUE(fails({{0, 0}, {1e200, 0}, {0, 0}, {0, 0}}));           // beyond 1e9 m
+  EXPECT_TRUE(fails({{0, 0}, {0, 0}, {0, 0}, {0, 0}}));      // no length
+  EXPECT_TRUE(fails({{0, 0}, {10, 0}, {-3, 1}, {3, 1}}));    // not linear along the chord
+  EXPECT_TRUE(fails({{0, 0}, {1e200, 0}, {0, 0}, {0, 0}}));  // beyond 1e9 m
   EXPECT_TRUE(fails({{NAN, 0}, {1, 0}, {0, 0}, {0, 0}}));
-  EXPECT_TRUE(fails({{0, 0}, {1, 1000}, {0, -2000}, {0, 1000}}));     // nearly across the chord
+  EXPECT_TRUE(fails({{0, 0}, {1, 1000}, {0, -2000}, {0, 1000}}));  // nearly across the chord
 }
 
 // A small file of two straight geometries, to be damaged.
@@ -191,11 +195,15 @@ TEST(OpenDrive, ForeignLinesProfilesAndGeoreferenceAreRead) {
 }
 
 TEST(OpenDrive, DamageIsAnErrorWithFileAndLine) {
-  struct Case { std::string text; int line; const char* says; };
+  struct Case {
+    std::string text;
+    int line;
+    const char* says;
+  };
   const std::string geometry = "<geometry s=\"0\" x=\"0\" y=\"0\" hdg=\"0\" length=\"100\">";
   const Case cases[] = {
-      {small_file().substr(0, 700), 11, "XML"},
-      {"", 0, ""},
+      {small_file().substr(0, 700), 15, "truncated"},
+      {"", 1, "XML"},
       {"<kml/>", 1, "OpenDRIVE"},
       {"<OpenDRIVE><header revMajor=\"1\" revMinor=\"7\"/></OpenDRIVE>", 0, "no roads"},
       {changed("revMajor=\"1\"", "revMajor=\"2\""), 3, "version"},
@@ -211,8 +219,13 @@ TEST(OpenDrive, DamageIsAnErrorWithFileAndLine) {
       {changed("id=\"7\"", "id=\"\""), 4, "id"},
       {changed("b=\"0.1\"", "b=\"inf\""), 10, "finite"},
       {changed("b=\"0.1\"", "b=\"1e9\""), 10, "1e6"},
-      {changed("</elevationProfile>", "<elevation s=\"50\" a=\"1\" b=\"0\" c=\"0\" d=\"0\"/></elevationProfile>"), 11, "within a geometry"},
-      {changed("<lanes>", "<lateralProfile><superelevation s=\"0\" a=\"0.1\" b=\"0\" c=\"0\" d=\"0\"/></lateralProfile><lanes>"), 12, "superelevation"},
+      {changed("</elevationProfile>",
+               "<elevation s=\"50\" a=\"1\" b=\"0\" c=\"0\" d=\"0\"/></elevationProfile>"),
+       11, "within a geometry"},
+      {changed("<lanes>",
+               "<lateralProfile><superelevation s=\"0\" a=\"0.1\" b=\"0\" c=\"0\" "
+               "d=\"0\"/></lateralProfile><lanes>"),
+       12, "superelevation"},
       {changed("<lanes>", "<lanes><laneOffset s=\"0\" a=\"1\" b=\"0\" c=\"0\" d=\"0\"/>"), 12, "laneOffset"},
       {changed("a=\"3\"", "a=\"4\""), 12, "different widths"},
       {changed("type=\"driving\"", "type=\"sidewalk\""), 13, "sidewalk"},

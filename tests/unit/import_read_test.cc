@@ -27,7 +27,8 @@ Error bad_csv(const std::string& text) {
 TEST(TextFile, NumbersAreReadWhole) {
   EXPECT_EQ(parse_number(" +1.5e3\r"), 1500);
   EXPECT_EQ(parse_number("-0.25"), -0.25);
-  for (const char* text : {"", " ", "1,5", "1.5m", "0x10", "+-1", "++1", "1 2"}) EXPECT_FALSE(parse_number(text)) << text;
+  for (const char* text : {"", " ", "1,5", "1.5m", "0x10", "+-1", "++1", "1 2"})
+    EXPECT_FALSE(parse_number(text)) << text;
 }
 
 TEST(TextFile, LinesAreCountedFromOne) {
@@ -41,7 +42,8 @@ TEST(TextFile, LinesAreCountedFromOne) {
 
 TEST(TextFile, OnlyWellFormedUtf8Passes) {
   EXPECT_TRUE(check_utf8("Z\xC3\xBCrich \xE2\x82\xAC \xF0\x9F\x8F\x81", "f").ok());
-  for (const char* bad : {"\xC3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xFF", "a\x80"}) {
+  for (const char* bad :
+       {"\xC3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xFF", "a\x80"}) {
     const Status status = check_utf8(std::string("one\ntwo\n") + bad, "f");
     ASSERT_FALSE(status.ok());
     EXPECT_EQ(status.error().line, 3);
@@ -49,9 +51,11 @@ TEST(TextFile, OnlyWellFormedUtf8Passes) {
 }
 
 TEST(Csv, ColumnsComeInAnyOrderCaseAndSeparator) {
-  for (const char* text : {"lat,lon,height,width\n1,2,3,4\n", "Longitude;LATITUDE;ele;W\r\n2;1;3;4\r\n",
-                           "width\talt\tlng\tlat\n4\t3\t2\t1\n", "\xEF\xBB\xBFlat, lon, z, width_m\n 1, 2, 3, 4",
-                           "# made by hand\n# lat,lon,h,w\n# comment\n\n1,2,3,4\n", "\"lat\",\"lon\",\"h\",\"w\"\n1,\"2\",3,4\n"}) {
+  for (const char* text :
+       {"lat,lon,height,width\n1,2,3,4\n", "Longitude;LATITUDE;ele;W\r\n2;1;3;4\r\n",
+        "width\talt\tlng\tlat\n4\t3\t2\t1\n", "\xEF\xBB\xBFlat, lon, z, width_m\n 1, 2, 3, 4",
+        "# made by hand\n# lat,lon,h,w\n# comment\n\n1,2,3,4\n",
+        "\"lat\",\"lon\",\"h\",\"w\"\n1,\"2\",3,4\n"}) {
     const Track track = good_csv(text);
     ASSERT_EQ(track.points.size(), 1u) << text;
     EXPECT_TRUE(track.geodetic);
@@ -69,7 +73,8 @@ TEST(Csv, ColumnsComeInAnyOrderCaseAndSeparator) {
 
 TEST(Csv, EmptyCellsAndUnknownColumnsAreToldNotGuessed) {
   Diagnostics diagnostics;
-  const Track track = good_csv("lat,lon,height,speed\n1,2,,9\n,2,3,9\nnan,2,3,9\n1,inf,3,9\n4,5,6,9\n", &diagnostics);
+  const Track track =
+      good_csv("lat,lon,height,speed\n1,2,,9\n,2,3,9\nnan,2,3,9\n1,inf,3,9\n4,5,6,9\n", &diagnostics);
   ASSERT_EQ(track.points.size(), 2u);
   EXPECT_FALSE(track.points[0].height_m.has_value());
   ASSERT_EQ(diagnostics.size(), 2u);
@@ -187,7 +192,8 @@ TEST(Vector, KmlIsRead) {
 TEST(Vector, WhatGdalCannotReadIsAnError) {
   const test::TemporaryFolder folder;
   Diagnostics diagnostics;
-  const std::string cut = R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"LineString","coordinates":[[1,2],[3)";
+  const std::string cut =
+      R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"LineString","coordinates":[[1,2],[3)";
   for (const std::string& text : {cut, std::string("not json"), std::string("{}"),
                                   std::string(R"({"type":"FeatureCollection","features":[]})")}) {
     const auto tracks = read_vector(folder.put("bad.geojson", text), diagnostics);

@@ -1,5 +1,7 @@
-// The order of the modules, read off the #include lines: arrows run downward only; OpenGL and other third-party headers
-// stay where DESIGN puts them.
+// The order of the modules, read off the #include lines: arrows run downward only; OpenGL and other
+// third-party headers stay where DESIGN puts them.
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -8,8 +10,6 @@
 #include <set>
 #include <string>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 namespace {
 
@@ -25,7 +25,8 @@ const std::map<std::string, Names>& allowed() {
   };
   static const Names files = with(network, {"roadgen/fit"});
   static const Names scene = with(network, {"roadgen/query", "roadgen/object", "terrain"});
-  static const Names all = with(scene, {"roadgen/fit", "roadgen/import", "roadgen/export", "roadgen/render", "roadgen/pick"});
+  static const Names all =
+      with(scene, {"roadgen/fit", "roadgen/import", "roadgen/export", "roadgen/render", "roadgen/pick"});
   static const std::map<std::string, Names> table = {
       {"shaders", {}},
       {"roadgen/road", {"shaders"}},
@@ -103,23 +104,27 @@ TEST(Includes, OurOwnHeadersAreQuotedFromTheRoot) {
 TEST(Includes, OpenGlStaysInRenderPickAndDemo) {
   for (const Include& include : includes()) {
     if (!is_of(include.header, {"GL/", "GLES", "glad/", "EGL/", "GLFW/", "KHR/", "epoxy/"})) continue;
-    EXPECT_TRUE(is_of(include.file, {"roadgen/render/", "roadgen/pick/", "demo/"})) << include.file << ": " << include.header;
+    EXPECT_TRUE(is_of(include.file, {"roadgen/render/", "roadgen/pick/", "demo/"}))
+        << include.file << ": " << include.header;
   }
 }
 
 TEST(Includes, NoHeaderShowsThirdPartyTypes) {
   for (const Include& include : includes()) {
     if (!include.in_header || include.folder.empty()) continue;
-    EXPECT_FALSE(is_of(include.header, {"ceres/", "Eigen/", "gdal", "ogr", "cpl_", "OpenImageIO/", "GeographicLib/", "embree3/",
-                                        "pugixml", "osmium/", "nlohmann/", "CLI/", "geos", "tbb/", "spdlog/", "fmt/"}))
+    EXPECT_FALSE(is_of(include.header, {"ceres/", "Eigen/", "gdal", "ogr", "cpl_", "OpenImageIO/",
+                                        "GeographicLib/", "embree3/", "pugixml", "osmium/", "nlohmann/",
+                                        "CLI/", "geos", "tbb/", "spdlog/", "fmt/"}))
         << include.file << ": " << include.header;
   }
 }
 
 TEST(Includes, FileReadersStayInTheirModules) {
   for (const Include& include : includes()) {
-    const auto only_in = [&](std::initializer_list<const char*> prefixes, std::initializer_list<const char*> folders) {
-      EXPECT_TRUE(!is_of(include.header, prefixes) || is_of(include.file, folders)) << include.file << ": " << include.header;
+    const auto only_in = [&](std::initializer_list<const char*> prefixes,
+                             std::initializer_list<const char*> folders) {
+      EXPECT_TRUE(!is_of(include.header, prefixes) || is_of(include.file, folders))
+          << include.file << ": " << include.header;
     };
     only_in({"ceres/"}, {"roadgen/fit/"});
     only_in({"gdal", "ogr", "cpl_"}, {"roadgen/import/", "roadgen/export/", "terrain/"});
