@@ -162,26 +162,23 @@ CurveFit::Miss CurveFit::measure(Node& from, const Node& to) const {
   return worst;
 }
 
-// A sample belongs to the segment whose footprint holds it: it moves to the one before where it lies behind the normal
-// of the joint.
+// A sample belongs to the segment whose footprint holds it: to the one before a joint where it lies behind the joint's
+// normal. Joints hardly slide, so that this is looked for no farther than half way to the next joint's sample.
 void CurveFit::assign(std::vector<Node>& nodes, bool closed) const {
   const std::size_t m = nodes.size(), n = count();
+  const auto steps = [&](const Node& from, const Node& to) { return (to.sample + n - from.sample) % n; };
   for (std::size_t k = closed ? 0 : 1; k < (closed ? m : m - 1); ++k) {
     Node& node = nodes[k];
-    const Node &before = nodes[k == 0 ? m - 1 : k - 1], &after = nodes[k + 1 == m ? 0 : k + 1];
+    node.begin = node.sample;
+    if (node.joint.fixed_position) continue;
     const glm::dvec2 along = direction(node.joint.heading_rad);
-    const auto behind = [&](std::size_t i) { return glm::dot(position_m_[i] - node.joint.position_m, along) < 0; };
-    const std::size_t room_before = samples_of(before, node).size(), room_after = samples_of(node, after).size();
-    std::size_t step = 0;
-    while (step < room_after && behind((node.begin + step) % n)) ++step;
-    if (step == 0) {
-      while (step < room_before && !behind((node.begin + n - step - 1) % n)) ++step;
-      node.begin = node.begin + n - step;
-    } else {
-      node.begin += step;
-    }
-    // An open road has no sample beyond the last, so that only a loop wraps.
-    node.begin %= n;
+    const auto behind = [&](std::size_t i) { return glm::dot(position_m_[i % n] - node.joint.position_m, along) < 0; };
+    const std::size_t most_back = steps(nodes[k == 0 ? m - 1 : k - 1], node) / 2;
+    const std::size_t most_ahead = steps(node, nodes[k + 1 == m ? 0 : k + 1]) / 2;
+    std::size_t ahead = 0, back = 0;
+    while (ahead < most_ahead && behind(node.sample + ahead)) ++ahead;
+    while (ahead == 0 && back < most_back && !behind(node.sample + n - back - 1)) ++back;
+    node.begin = (node.sample + n + ahead - back) % n;
   }
 }
 
@@ -266,8 +263,15 @@ void CurveFit::make_graphs() {
       nodes.back().joint.heading_rad = guessed_heading(from.begin, middle, from.begin + size - 1);
       again = true;
     }
-    nodes_ = std::move(nodes);
+    adopt(std::move(nodes));
   }
+}
+
+// Takes nodes in the order of their samples; new ones may lie before the joint whose segment missed their sample.
+void CurveFit::adopt(std::vector<Node> nodes) {
+  nodes_ = std::move(nodes);
+  std::stable_sort(nodes_.begin(), nodes_.end(), [](const Node& a, const Node& b) { return a.sample < b.sample; });
+  assign(nodes_, options_.closed);
 }
 
 void CurveFit::take_catmull_rom_headings() {
@@ -353,7 +357,7 @@ bool CurveFit::improve_segment(Node& from, Node& to, int round, std::vector<Node
 bool CurveFit::reseat(Node& from, Node& to, std::size_t sample) {
   const double stub_m = kStub * glm::length(to.joint.position_m - from.joint.position_m);
   for (Node* node : {&from, &to}) {
-    const bool at_end = !options_.closed && (node == &nodes_.front() || node == &nodes_.back());
+    const bool at_end = node == &nodes_.front() || (!options_.closed && node == &nodes_.back());
     if (at_end || node->joint.fixed_position) continue;
     if (glm::length(node->joint.position_m - position_m_[sample]) > stub_m) continue;
     taken_[node->sample] = 0;
@@ -377,16 +381,17 @@ bool CurveFit::improve(int round) {
     nodes.push_back(nodes_[k]);
     nodes.insert(nodes.end(), added[k].begin(), added[k].end());
   }
-  nodes_ = std::move(nodes);
+  adopt(std::move(nodes));
   return any;
 }
 
 // Nodes that the others can do without are taken out, each with a solve around it.
 void CurveFit::remove_spare() {
-  const std::size_t least = options_.closed ? 4 : 3, margin = options_.closed ? 0 : 1;
+  // A closed road keeps its first node too, so that it begins where the samples do.
+  const std::size_t least = options_.closed ? 4 : 3, end_margin = options_.closed ? 0 : 1;
   for (bool again = true; again;) {
     again = false;
-    for (std::size_t k = margin; k + margin < nodes_.size();) {
+    for (std::size_t k = 1; k + end_margin < nodes_.size();) {
       if (nodes_.size() < least) return;
       // Once in vain is enough, unless a neighbour went since.
       const bool removed = !nodes_[k].stays && try_remove(k);
@@ -479,7 +484,7 @@ void CurveFit::add_on_curve(std::span<const std::size_t> samples) {
       nodes.push_back(node);
     }
   }
-  nodes_ = std::move(nodes);
+  adopt(std::move(nodes));
   improve_until_done();
 }
 

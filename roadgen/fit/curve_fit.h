@@ -73,6 +73,7 @@ class CurveFit {
   void solve_between(std::size_t first, std::size_t size);
   void solve(std::vector<Node>& nodes, bool closed);
   void assign(std::vector<Node>& nodes, bool closed) const;
+  void adopt(std::vector<Node> nodes);
   bool improve(int round);
   bool improve_segment(Node& from, Node& to, int round, std::vector<Node>& added);
   bool settle(Node& node);

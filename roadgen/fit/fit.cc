@@ -86,18 +86,23 @@ std::vector<double> stations(const Road& road, std::span<const Anchor> anchors) 
   return s_m;
 }
 
-// One sample per interval between knots: the worst of those above the error.
-std::vector<std::size_t> worst_heights(std::span<const double> knots_m, std::span<const HeightSample> samples,
-                                       const ProfileFit& fit, double max_error_m) {
-  std::vector<std::size_t> worst(knots_m.size() + 1, samples.size());
+// The middle sample of every interval between knots that holds one above the error. Halving ends soon, where the worst
+// sample, often beside a knot, would not.
+std::vector<std::size_t> samples_for_knots(std::span<const double> knots_m, std::span<const HeightSample> samples,
+                                           const ProfileFit& fit, double max_error_m) {
+  std::vector<std::vector<std::size_t>> held(knots_m.size() + 1);
+  std::vector<char> misses(knots_m.size() + 1, 0);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (fit.error_m[i] <= max_error_m) continue;
-    const auto interval = std::upper_bound(knots_m.begin(), knots_m.end(), samples[i].s_m) - knots_m.begin();
-    std::size_t& w = worst[static_cast<std::size_t>(interval)];
-    if (w == samples.size() || fit.error_m[i] > fit.error_m[w]) w = i;
+    const auto interval = static_cast<std::size_t>(
+        std::upper_bound(knots_m.begin(), knots_m.end(), samples[i].s_m) - knots_m.begin());
+    held[interval].push_back(i);
+    if (fit.error_m[i] > max_error_m) misses[interval] = 1;
   }
-  std::erase(worst, samples.size());
-  return worst;
+  std::vector<std::size_t> middle;
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    if (misses[k]) middle.push_back(held[k][held[k].size() / 2]);
+  }
+  return middle;
 }
 
 // The measured heights along a road, and which samples they are; without those that no road follows.
@@ -147,9 +152,9 @@ Result<std::vector<Anchor>> fit_heights(CurveFit& curve, std::span<const Sample>
       return anchors;
     }
     before = anchors.size();
-    std::vector<std::size_t> worst = worst_heights(knots, heights.samples, fit, limit);
-    for (std::size_t& i : worst) i = heights.index[i];
-    curve.add_on_curve(worst);
+    std::vector<std::size_t> added = samples_for_knots(knots, heights.samples, fit, limit);
+    for (std::size_t& i : added) i = heights.index[i];
+    curve.add_on_curve(added);
   }
 }
 
