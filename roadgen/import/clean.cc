@@ -83,10 +83,8 @@ void drop_excursions(std::vector<CleanPoint>& points, bool closed, const Track& 
       if (turns_before || turns_after || !next) break;
       report(diagnostics, Severity::kWarning, track.file, track.element, tip.source, tip.source,
              "the track goes out to this point and straight back: dropped");
-      if (returns)
-        kept.pop_back(), kept.pop_back();
-      else
-        kept.erase(kept.end() - 2);
+      kept.erase(kept.end() - 2);
+      if (returns) kept.pop_back();
     }
   }
   if (closed && kept.size() > 3 && same_place(kept.front(), kept.back())) kept.pop_back();
@@ -102,7 +100,7 @@ std::vector<CleanTrack> divided(const Track& track, std::vector<CleanPoint> poin
     if (n > 2 && turn_rad(points[(i + n - 1) % n], points[i], points[(i + 1) % n]) >= kReversal_rad) {
       reversals.push_back(i);
       report(diagnostics, Severity::kWarning, track.file, track.element, points[i].source, points[i].source,
-             "the track turns back on itself: divided into two roads here");
+             "the track turns back on itself, which a road cannot: one road ends here and the next begins");
     }
   }
   if (reversals.empty()) return {{track.name, track.element, closed, std::move(points)}};
@@ -284,6 +282,28 @@ class Heights {
   std::vector<Fault> fault_;
 };
 
+void repair_heights(CleanTrack& track, const std::string& file, Diagnostics& diagnostics) {
+  Heights heights(track);
+  heights.find_zeros();
+  heights.find_spikes();
+  const bool none = !heights.any_valid();
+  const std::vector<CleanPoint>& points = track.points;
+  for (std::size_t i = 0; i < points.size();) {
+    std::size_t end = i + 1;
+    while (end < points.size() && heights.fault(end) == heights.fault(i)) ++end;
+    if (const Fault fault = heights.fault(i); fault == Fault::kMissing && none) {
+      report(diagnostics, Severity::kInfo, file, track.element, points[i].source, points[end - 1].source,
+             "no heights: 0 m is used");
+    } else if (fault != Fault::kNone) {
+      report(diagnostics, Severity::kWarning, file, track.element, points[i].source, points[end - 1].source,
+             none ? "height is a void value, and there is no valid one: 0 m is used" : fault_text(fault));
+    }
+    i = end;
+  }
+  const std::vector<double> repaired = none ? std::vector<double>(points.size(), 0) : heights.repaired();
+  for (std::size_t i = 0; i < points.size(); ++i) track.points[i].height_m = repaired[i];
+}
+
 }  // namespace
 
 Status check_range(const Track& track) {
@@ -326,28 +346,6 @@ bool looks_closed(const std::vector<CleanPoint>& points) {
   constexpr double kSharpest_rad = 2 * std::numbers::pi / 3;
   if (same_place(first, last)) return turn_rad(before, first, points[1]) < kSharpest_rad;
   return turn_rad(before, last, first) < kSharpest_rad && turn_rad(last, first, points[1]) < kSharpest_rad;
-}
-
-void repair_heights(CleanTrack& track, const std::string& file, Diagnostics& diagnostics) {
-  Heights heights(track);
-  heights.find_zeros();
-  heights.find_spikes();
-  const bool none = !heights.any_valid();
-  const std::vector<CleanPoint>& points = track.points;
-  for (std::size_t i = 0; i < points.size();) {
-    std::size_t end = i + 1;
-    while (end < points.size() && heights.fault(end) == heights.fault(i)) ++end;
-    if (const Fault fault = heights.fault(i); fault == Fault::kMissing && none) {
-      report(diagnostics, Severity::kInfo, file, track.element, points[i].source, points[end - 1].source,
-             "no heights: 0 m is used");
-    } else if (fault != Fault::kNone) {
-      report(diagnostics, Severity::kWarning, file, track.element, points[i].source, points[end - 1].source,
-             none ? "height is a void value, and there is no valid one: 0 m is used" : fault_text(fault));
-    }
-    i = end;
-  }
-  const std::vector<double> repaired = none ? std::vector<double>(points.size(), 0) : heights.repaired();
-  for (std::size_t i = 0; i < points.size(); ++i) track.points[i].height_m = repaired[i];
 }
 
 Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vector<glm::dvec2>& positions_m,

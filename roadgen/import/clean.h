@@ -72,7 +72,4 @@ bool looks_closed(const std::vector<CleanPoint>& points);
 Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vector<glm::dvec2>& positions_m,
                                             const CleanOptions& options, Diagnostics& diagnostics);
 
-// The height part alone: fills height_m of every point from its source. Exposed for tests.
-void repair_heights(CleanTrack& track, const std::string& file, Diagnostics& diagnostics);
-
 }  // namespace roadgen
