@@ -240,7 +240,7 @@ class Chain {
   void solve() {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 15;
+    options.max_num_iterations = 8;
     options.function_tolerance = 1e-5;
     options.logging_type = ceres::SILENT;
     options.num_threads = 1;  // sums in one order: the same input gives the same road
