@@ -49,8 +49,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--origin", o.origin,
                  "LAT,LON[,H]: where the local frame stands, degrees and metres. Default: centre of the data "
                  "at height 0");
-  app.add_option("--max-error", o.import.max_error_m, "Greatest allowed distance of a point from the road, m")
-      ->capture_default_str();
+  app.add_option("--max-error", o.import.max_error_m,
+                 "Greatest allowed distance of a point from the road, m. Default: 0.1, or 3 for GPX tracks");
   app.add_option("--tangents", o.tangents,
                  "fit: least squares; catmull-rom: through points, tangents from neighbours")
       ->check(CLI::IsMember({"fit", "catmull-rom"}))
@@ -78,6 +78,12 @@ Status settle(Options& o) {
     if (std::filesystem::equivalent(source, o.output, ignored)) {
       return Error{ErrorCode::kUsage, "is a source and the output: name another output", o.output};
     }
+  }
+  const auto plain = [](const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  if (!o.report.empty() && plain(o.report) == plain(o.output)) {
+    return Error{ErrorCode::kUsage, "is the output and the report: name two files", o.output};
   }
   if (Status status = check_writable(o.output); !status) return status;
   return o.report.empty() || o.report == "-" ? Status(Done{}) : check_writable(o.report);
@@ -111,7 +117,7 @@ int run_import(const Arguments& arguments) {
 
   if (Status status = write_opendrive(result->network, o.output); !status) return fail(kName, status.error());
   if (!o.report.empty()) {
-    if (Status status = put_out(import_report(*result, o.import), o.report); !status)
+    if (Status status = put_out(import_report(*result), o.report); !status)
       return fail(kName, status.error());
   }
   print_diagnostics(result->diagnostics,

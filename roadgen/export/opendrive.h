@@ -1,23 +1,22 @@
 // The network as an OpenDRIVE 1.7 file (ASAM OpenDRIVE 1.7.0, 2021).
 //
-// A segment is one <geometry> with one <paramPoly3 pRange="normalized">: the chord-frame cubic of the road
-// function, turned into the frame of its start tangent, so aU = aV = bV = 0 and bU > 0; its length is the
-// true arc length (clause 7.7). Elevation is one record per segment (clause 8.5). A road has one lane section
-// with the centre lane and one driving lane on each side, of the half width each, one width record per
-// segment, equal constant ones merged (clause 9.7). The centre lane is marked by a broken line, the edges by
-// solid ones (clause 9.9). A closed road is its own predecessor and successor.
+// A segment is one <geometry> with one <paramPoly3 pRange="normalized">: the chord-frame cubic of the road function,
+// turned into the frame of its start tangent, so aU = aV = bV = 0 and bU > 0; its length is the true arc length
+// (clause 7.7). Elevation is one record per segment (clause 8.5). A road has one lane section with the centre lane and
+// one driving lane on each side, of the half width each, one width record per segment, equal constant ones merged
+// (clause 9.7). The centre lane is marked by a broken line, the edges by solid ones (clause 9.9).
+// A closed road is its own predecessor and successor.
 //
-// Georeference. The network lives in topocentric ENU about an origin. OpenDRIVE wants a PROJ string of a
-// projected system in <geoReference>; the one that is topocentric ENU, exactly so for points of the
-// ellipsoid's surface, is the ellipsoidal orthographic projection (EPSG method 9840, PROJ 7.2 or later). At
-// height h a position differs from it by h / 6.38e6 of its distance from the origin (0.16 mm per metre and km
-// of height). The origin itself, with its height, stands in <userData code="roadgen:origin" value="LAT LON
-// H"/>.
+// Georeference. The network lives in topocentric ENU about an origin. OpenDRIVE wants a PROJ string of a projected
+// system in <geoReference>; the one that is topocentric ENU, exactly so for points of the ellipsoid's surface, is the
+// ellipsoidal orthographic projection (EPSG method 9840, PROJ 7.2 or later). At height h a position differs from it by
+// h / 6.38e6 of its distance from the origin (0.16 mm per metre and km of height). The origin itself, with its height,
+// stands in <userData code="roadgen:origin" value="LAT LON H"/>.
 //
-// Numbers are written with as many digits as bring the same double back (17 at most). The anchors and slopes
-// cannot be recovered bit for bit from rounded polynomial coefficients, so they stand beside them in
-// <userData code="roadgen:chord" value="END_X END_Y SLOPE_START SLOPE_END"/>; thus a network that was
-// written, read and written again is the same file. Other programs skip userData and lose nothing.
+// Numbers are written with as many digits as bring the same double back (17 at most). The anchors and slopes cannot be
+// recovered bit for bit from rounded polynomial coefficients, so they stand beside them in
+// <userData code="roadgen:chord" value="END_X END_Y SLOPE_START SLOPE_END"/>; thus a network that was written, read
+// and written again is the same file. Other programs skip userData and lose nothing.
 #pragma once
 
 #include <string>

@@ -53,10 +53,8 @@ std::vector<CleanPoint> without_repetitions(const Track& track, const std::vecto
       points.push_back(point);
       continue;
     }
-    // Its height may be the only valid one of the two.
     TrackPoint& kept = points.back().source;
-    if (!kept.height_m || *kept.height_m == 0)
-      kept.height_m = point.source.height_m ? point.source.height_m : kept.height_m;
+    if (!kept.height_m) kept.height_m = point.source.height_m;
     if (!first) first = &track.points[i];
     last = &track.points[i];
   }
@@ -85,10 +83,8 @@ void drop_excursions(std::vector<CleanPoint>& points, bool closed, const Track& 
       if (turns_before || turns_after || !next) break;
       report(diagnostics, Severity::kWarning, track.file, track.element, tip.source, tip.source,
              "the track goes out to this point and straight back: dropped");
-      if (returns)
-        kept.pop_back(), kept.pop_back();
-      else
-        kept.erase(kept.end() - 2);
+      kept.erase(kept.end() - 2);
+      if (returns) kept.pop_back();
     }
   }
   if (closed && kept.size() > 3 && same_place(kept.front(), kept.back())) kept.pop_back();
@@ -104,7 +100,7 @@ std::vector<CleanTrack> divided(const Track& track, std::vector<CleanPoint> poin
     if (n > 2 && turn_rad(points[(i + n - 1) % n], points[i], points[(i + 1) % n]) >= kReversal_rad) {
       reversals.push_back(i);
       report(diagnostics, Severity::kWarning, track.file, track.element, points[i].source, points[i].source,
-             "the track turns back on itself: divided into two roads here");
+             "the track turns back on itself, which a road cannot: one road ends here and the next begins");
     }
   }
   if (reversals.empty()) return {{track.name, track.element, closed, std::move(points)}};
@@ -286,6 +282,28 @@ class Heights {
   std::vector<Fault> fault_;
 };
 
+void repair_heights(CleanTrack& track, const std::string& file, Diagnostics& diagnostics) {
+  Heights heights(track);
+  heights.find_zeros();
+  heights.find_spikes();
+  const bool none = !heights.any_valid();
+  const std::vector<CleanPoint>& points = track.points;
+  for (std::size_t i = 0; i < points.size();) {
+    std::size_t end = i + 1;
+    while (end < points.size() && heights.fault(end) == heights.fault(i)) ++end;
+    if (const Fault fault = heights.fault(i); fault == Fault::kMissing && none) {
+      report(diagnostics, Severity::kInfo, file, track.element, points[i].source, points[end - 1].source,
+             "no heights: 0 m is used");
+    } else if (fault != Fault::kNone) {
+      report(diagnostics, Severity::kWarning, file, track.element, points[i].source, points[end - 1].source,
+             none ? "height is a void value, and there is no valid one: 0 m is used" : fault_text(fault));
+    }
+    i = end;
+  }
+  const std::vector<double> repaired = none ? std::vector<double>(points.size(), 0) : heights.repaired();
+  for (std::size_t i = 0; i < points.size(); ++i) track.points[i].height_m = repaired[i];
+}
+
 }  // namespace
 
 Status check_range(const Track& track) {
@@ -330,28 +348,6 @@ bool looks_closed(const std::vector<CleanPoint>& points) {
   return turn_rad(before, last, first) < kSharpest_rad && turn_rad(last, first, points[1]) < kSharpest_rad;
 }
 
-void repair_heights(CleanTrack& track, const std::string& file, Diagnostics& diagnostics) {
-  Heights heights(track);
-  heights.find_zeros();
-  heights.find_spikes();
-  const bool none = !heights.any_valid();
-  const std::vector<CleanPoint>& points = track.points;
-  for (std::size_t i = 0; i < points.size();) {
-    std::size_t end = i + 1;
-    while (end < points.size() && heights.fault(end) == heights.fault(i)) ++end;
-    if (const Fault fault = heights.fault(i); fault == Fault::kMissing && none) {
-      report(diagnostics, Severity::kInfo, file, track.element, points[i].source, points[end - 1].source,
-             "no heights: 0 m is used");
-    } else if (fault != Fault::kNone) {
-      report(diagnostics, Severity::kWarning, file, track.element, points[i].source, points[end - 1].source,
-             none ? "height is a void value, and there is no valid one: 0 m is used" : fault_text(fault));
-    }
-    i = end;
-  }
-  const std::vector<double> repaired = none ? std::vector<double>(points.size(), 0) : heights.repaired();
-  for (std::size_t i = 0; i < points.size(); ++i) track.points[i].height_m = repaired[i];
-}
-
 Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vector<glm::dvec2>& positions_m,
                                             const CleanOptions& options, Diagnostics& diagnostics) {
   assert(positions_m.size() == track.points.size());
@@ -361,7 +357,7 @@ Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vecto
   if (closed && points.size() > 1 && same_place(points.front(), points.back())) {
     TrackPoint& first = points.front().source;
     const std::optional<double>& last = points.back().source.height_m;
-    if (last && (!first.height_m || *first.height_m == 0)) first.height_m = last;
+    if (!first.height_m) first.height_m = last;
     points.pop_back();
   }
   if (points.size() >= 3) drop_excursions(points, closed, track, diagnostics);

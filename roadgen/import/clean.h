@@ -63,16 +63,13 @@ Status check_range(const Track& track);
 // most 1.5 times the median spacing, and 2 % of the length) without turning back there; at least four points.
 bool looks_closed(const std::vector<CleanPoint>& points);
 
-// Drops repetitions; decides whether the track is closed; drops points where it only runs out and back on
-// itself, and divides it where it turns back for good, since a road cannot turn on the spot; puts heights in
-// place of void, zero, spiked and missing ones, by distance between valid neighbours (the end's height beyond
-// the last valid one; 0 where there is none at all); puts the default in place of missing and nonsensical
-// widths. positions_m: of the track's points, on a plane, in metres. Requires: as many as points. Errors:
-// kData where fewer than two distinct points are left. Cost: O(n log n).
+// Drops repetitions; decides whether the track is closed; drops points where it only runs out and back on itself, and
+// divides it where it turns back for good, since a road cannot turn on the spot; puts heights in place of void, zero,
+// spiked and missing ones, by distance between valid neighbours (the end's height beyond the last valid one; 0 where
+// there is none at all); puts the default in place of missing and nonsensical widths.
+// positions_m: of the track's points, on a plane, in metres. Requires: as many as points.
+// Errors: kData where fewer than two distinct points are left (three, where closed). Cost: O(n log n).
 Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vector<glm::dvec2>& positions_m,
                                             const CleanOptions& options, Diagnostics& diagnostics);
-
-// The height part alone: fills height_m of every point from its source. Exposed for tests.
-void repair_heights(CleanTrack& track, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace roadgen

@@ -187,7 +187,7 @@ Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& f
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   if (Status status = check_utf8(text, file); !status) return status.error();
 
-  Track track{file, "", stem(file), true, {}};
+  Track track{file, "", stem(file)};
   std::optional<Header> header;
   LeftOut left_out(file, diagnostics);
   for (int line = 1; !text.empty(); ++line) {

@@ -72,7 +72,7 @@ Result<TrackPoint> Reader::read_point(pugi::xml_node node) const {
 
 Status Reader::read_line(pugi::xml_node line, const char* point_name, const std::string& element,
                          const std::string& name) {
-  Track track{file_, element, name.empty() ? element : name, true, {}};
+  Track track{file_, element, name.empty() ? element : name, true, is(line, "trkseg")};
   int first_bad = 0, bad = 0;
   for (const pugi::xml_node node : line.children()) {
     if (!is(node, point_name)) continue;

@@ -14,7 +14,8 @@ constexpr double kFarFromOrigin_m = 50e3;
 Status check_options(const std::vector<std::string>& paths, const ImportOptions& options) {
   const auto usage = [](const std::string& message) { return Error{ErrorCode::kUsage, message}; };
   if (paths.empty()) return usage("no file to import");
-  if (!(options.max_error_m >= kLeastMaxError_m && options.max_error_m <= kGreatestMaxError_m)) {
+  const double allowed_m = options.max_error_m.value_or(kMapError_m);
+  if (!(allowed_m >= kLeastMaxError_m && allowed_m <= kGreatestMaxError_m)) {
     return usage("the greatest error must be between 0.001 and 100 m");
   }
   if (!(options.width_m >= kLeastWidth_m && options.width_m <= kGreatestWidth_m)) {
@@ -97,6 +98,7 @@ std::vector<Sample> samples_of(const CleanTrack& track, const LocalFrame* frame,
 struct Job {
   CleanTrack track;
   std::string file;
+  bool recorded;
 };
 
 Result<std::vector<Job>> clean_all(const std::vector<Track>& tracks, const LocalFrame* frame,
@@ -112,7 +114,7 @@ Result<std::vector<Job>> clean_all(const std::vector<Track>& tracks, const Local
       if (!too_short) too_short = e;
       continue;
     }
-    for (CleanTrack& piece : *cleaned) jobs.push_back({std::move(piece), track.file});
+    for (CleanTrack& piece : *cleaned) jobs.push_back({std::move(piece), track.file, track.recorded});
   }
   if (jobs.empty()) return *too_short;
   return jobs;
@@ -120,7 +122,7 @@ Result<std::vector<Job>> clean_all(const std::vector<Track>& tracks, const Local
 
 Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, const ImportOptions& options) {
   FitOptions fit;
-  fit.max_error_m = options.max_error_m;
+  fit.max_error_m = options.max_error_m.value_or(job.recorded ? kGpsError_m : kMapError_m);
   fit.closed = job.track.closed;
   fit.tangents = options.tangents;
   fit.catmull_rom = options.catmull_rom;
@@ -135,6 +137,7 @@ Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, c
   if (!fitted) {
     Error error = fitted.error();
     if (error.file.empty()) error.file = job.file;
+    if (error.code == ErrorCode::kGeometry) error.message += "; or allow a greater error or a smaller width";
     error.element =
         job.track.element + (job.track.element.empty() || error.element.empty() ? "" : " ") + error.element;
     return error;
@@ -143,6 +146,7 @@ Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, c
   fitted->road.name = job.track.name;
   result.network.roads.push_back(std::move(fitted->road));
   result.certificates.push_back(fitted->certificate);
+  result.allowed_error_m.push_back(fit.max_error_m);
   return Done{};
 }
 

@@ -14,40 +14,46 @@
 namespace roadgen {
 
 struct ImportOptions {
-  // Origin of the local frame. Default: the centre of the box around all points, rounded to 1e-6 degree so
-  // that it can be quoted, at height 0, so that z is the source's height there.
+  // Origin of the local frame. Default: the centre of the box around all points, rounded to 1e-6 degree so that it can
+  // be quoted, at height 0, so that z is the source's height there.
   std::optional<Georeference> origin = {};
-  // Greatest allowed horizontal distance of a point from the road, in [kLeastMaxError_m, 100]. Default: 0.1,
-  // for public centre lines come rounded to 1e-6 degree: up to 0.056 m in each direction, so a smaller error
-  // would fit the rounding, with more segments and worse curvature.
-  double max_error_m = 0.1;
+  // Greatest allowed horizontal distance of a point from the road, in [kLeastMaxError_m, kGreatestMaxError_m].
+  // Default: kMapError_m, or kGpsError_m for recorded tracks (GPX).
+  std::optional<double> max_error_m = {};
   TangentSource tangents = TangentSource::kFit;
   Tangents catmull_rom = Tangents::kUniform;
-  double width_m =
-      7;  // of the whole road, where the file has none; in [kLeastWidth_m, kGreatestWidth_m]. Default: 7
+  // Of the whole road, where the file has none; in [kLeastWidth_m, kGreatestWidth_m]. Default: 7
+  double width_m = 7;
   Closed closed = Closed::kAuto;
 };
 inline constexpr double kLeastMaxError_m = 0.001, kGreatestMaxError_m = 100;
+// Public centre lines come rounded to 1e-6 degree: up to 0.056 m in each direction. A smaller error would fit the
+// rounding, with more segments and worse curvature.
+inline constexpr double kMapError_m = 0.1;
+// A GPS receiver is off by about 2 m rms, more beside walls and trees, and its track has kinks that no vehicle drove.
+inline constexpr double kGpsError_m = 3;
 
 struct ImportResult {
   Network network;                        // roads "1", "2", ... in the order of the files
   std::vector<Certificate> certificates;  // one for each road, in order
+  std::vector<double> allowed_error_m;    // likewise: the max_error_m that it was fitted to
   Diagnostics diagnostics;                // every repair, by file, line and element
-  double greatest_distance_m = 0;         // of a point from the origin, horizontally
+  double greatest_distance_m = 0;         // of a point from the origin, horizontally; 0 for metres
 };
 
 // Called with the part that is done, in [0, 1], and what is being done.
 using Progress = std::function<void(double part, const std::string& what)>;
 
-// Reads, cleans and fits every track of the files (see track.h and clean.h for what that is). All files share
-// one frame: either all hold latitudes and longitudes or all hold metres. Tracks with fewer than two distinct
-// points are left out with a warning where others remain. Errors: kUsage for options out of range, an origin
-// given for metres, no files; else as the readers, clean_track and fit_road, with file and element.
+// Reads, cleans and fits every track of the files (see track.h and clean.h for what that is). All files share one
+// frame: either all hold latitudes and longitudes or all hold metres.
+// Tracks with fewer than two distinct points are left out with a warning where others remain.
+// Errors: kUsage for options out of range, an origin given for metres, no files; else as the readers, clean_track and
+// fit_road, with file and element.
 Result<ImportResult> import_files(const std::vector<std::string>& paths, const ImportOptions& options,
                                   const Progress& progress = {});
 
-// The report of an import as JSON: {"origin", "length_distortion", "allowed_error_m", "roads": [...],
-// "diagnostics": [...]}; origin and length_distortion are absent for metres.
-std::string import_report(const ImportResult& result, const ImportOptions& options);
+// The report of an import as JSON: {"origin", "length_distortion", "roads": [...], "diagnostics": [...]}; origin and
+// length_distortion are absent for metres.
+std::string import_report(const ImportResult& result);
 
 }  // namespace roadgen

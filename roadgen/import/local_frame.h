@@ -15,8 +15,9 @@ struct Geodetic {
 
 // Changes of coordinates, exact to nanometres near the origin. The frame is Cartesian: z is height above the
 // tangent plane at the origin, not above the ellipsoid, so z falls short of the height by d^2 / 2R at
-// distance d (0.2 m at 1.6 km, 7.8 m at 10 km); horizontal lengths at d are seen shortened by up to d^2 /
-// 2R^2 (see length_distortion). Source: GeographicLib::LocalCartesian.
+// distance d (0.2 m at 1.6 km, 7.8 m at 10 km); horizontal lengths at d are seen shortened by up to
+// d^2 / 2R^2 (see length_distortion).
+// Source: GeographicLib::LocalCartesian.
 class LocalFrame {
  public:
   explicit LocalFrame(const Georeference& origin);

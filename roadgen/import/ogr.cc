@@ -108,7 +108,7 @@ Status Reader::read_line(const OGRLineString& line, const Track& like,
 Status Reader::read_feature(const OGRFeature& feature, OGRCoordinateTransformation* to_wgs84, bool geodetic) {
   const OGRGeometry* geometry = feature.GetGeometryRef();
   if (!geometry || geometry->IsEmpty()) return Done{};
-  Track track{path_, property(feature, "id"), property(feature, "name"), geodetic, {}};
+  Track track{path_, property(feature, "id"), property(feature, "name"), geodetic};
   if (track.element.empty()) track.element = track.name;
   if (track.element.empty()) track.element = "feature " + std::to_string(feature.GetFID());
   if (track.name.empty()) track.name = track.element;

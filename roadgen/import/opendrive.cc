@@ -41,6 +41,14 @@ Cubic shifted(const Cubic& c, double by) {
   return {c.value(by), c.slope(by), c.c2 + 3 * c.c3 * by, c.c3};
 }
 
+// Moves the end onto the next anchor where only rounding keeps them apart.
+void join_end(Segment& segment, glm::dvec2 next_m) {
+  const double gap_m = glm::length(segment.end_m - next_m);
+  if (gap_m == 0 || gap_m > kSamePlace_m || glm::length(next_m - segment.start_m) < 10 * kSamePlace_m) return;
+  segment.end_m = next_m;
+  set_arc(segment);
+}
+
 std::vector<double> numbers_in(std::string_view text) {
   std::vector<double> numbers;
   while (!(text = trimmed(text)).empty()) {
@@ -246,6 +254,7 @@ void Reader::take_exact_chord(pugi::xml_node node, Segment& segment) {
     note(node, "userData roadgen:chord does not agree with the geometry, which is used");
     return;
   }
+  if (glm::length(glm::dvec2(chord[0], chord[1]) - segment.start_m) < 10 * kSamePlace_m) return;
   segment.end_m = {chord[0], chord[1]};
   segment.slope_start = chord[2];
   segment.slope_end = chord[3];
@@ -291,13 +300,7 @@ std::vector<Placed> Reader::read_plan(pugi::xml_node node) {
                std::to_string(plan.back().s_m - expected) + " m");
     }
     if (plan.size() == 1) continue;
-    // Rounded files: the next anchor is the better one.
-    glm::dvec2& end = plan[plan.size() - 2].segment.end_m;
-    const glm::dvec2 start = plan.back().segment.start_m;
-    if (end != start && glm::length(end - start) <= kSamePlace_m) {
-      end = start;
-      set_arc(plan[plan.size() - 2].segment);
-    }
+    join_end(plan[plan.size() - 2].segment, plan.back().segment.start_m);
   }
   if (!failed() && plan.empty()) fail(ErrorCode::kParse, node, "<planView> has no geometry");
   return plan;
@@ -400,15 +403,10 @@ std::vector<Record> Reader::read_widths(pugi::xml_node node) {
 
 void Reader::close_loop(pugi::xml_node node, Road& road) {
   const glm::dvec2 start = road.segments.front().start_m;
-  glm::dvec2& end = road.segments.back().end_m;
-  const double gap = glm::length(end - start);
-  if (gap > kSameStation_m) {
+  if (glm::length(road.segments.back().end_m - start) > kSameStation_m) {
     return fail(ErrorCode::kData, node, "the road is linked to itself but does not end where it starts");
   }
-  if (gap > 0 && gap <= kSamePlace_m) {
-    end = start;
-    set_arc(road.segments.back());
-  }
+  join_end(road.segments.back(), start);
 }
 
 void Reader::read_road(pugi::xml_node node) {
@@ -448,7 +446,8 @@ Result<Network> Reader::read(Diagnostics* diagnostics) {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_buffer(text_.data(), text_.size());
   if (!parsed) {
-    return Error{ErrorCode::kParse, std::string("is not well-formed XML: ") + parsed.description(), file_,
+    return Error{ErrorCode::kParse,
+                 std::string("is not well-formed XML (truncated?): ") + parsed.description(), file_,
                  lines_.line(parsed.offset)};
   }
   const pugi::xml_node root = document.child("OpenDRIVE");

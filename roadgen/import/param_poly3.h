@@ -19,16 +19,15 @@ struct ParametricCubic {
   ParametricCubic turned(double angle_rad) const;
 };
 
-// How far, in metres, a parametric cubic may run ahead of or behind the graph over its chord that a segment
-// is.
+// How far, in metres, a parametric cubic may run ahead of or behind the graph over its chord that a segment is.
 inline constexpr double kGraphTolerance_m = 1e-7;
 // Steepest tangent against the chord that is read (89.4 degrees).
 inline constexpr double kSteepestSlope = 100;
 
-// The segment that is this curve, without profiles: arc set, bound not. The curve must be the graph of a
-// cubic over its chord, that is, advance along the chord in proportion to p. Errors: kGeometry where it has
-// no length, is not such a graph within kGraphTolerance_m, is steeper than kSteepestSlope, or is not finite
-// or beyond 1e9 m.
+// The segment that is this curve, without profiles: arc set, bound not. The curve must be the graph of a cubic over its
+// chord, that is, advance along the chord in proportion to p.
+// Errors: kGeometry where it has no length, is not such a graph within kGraphTolerance_m, is steeper than
+// kSteepestSlope, or is not finite or beyond 1e9 m.
 Result<Segment> segment_from_cubic(const ParametricCubic& curve);
 
 }  // namespace roadgen

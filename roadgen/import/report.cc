@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json certificate_json(const Certificate& c, const Road& road) {
+Json certificate_json(const Certificate& c, const Road& road, double allowed_error_m) {
   return {{"id", c.id},
           {"name", road.name},
           {"closed", c.closed},
@@ -16,6 +16,7 @@ Json certificate_json(const Certificate& c, const Road& road) {
           {"samples", c.samples},
           {"anchors", c.anchors},
           {"segments", c.segments},
+          {"allowed_error_m", allowed_error_m},
           {"max_error_m", c.max_error_m},
           {"rms_error_m", c.rms_error_m},
           {"bound_m", c.bound_m},
@@ -26,7 +27,7 @@ Json certificate_json(const Certificate& c, const Road& road) {
 
 }  // namespace
 
-std::string import_report(const ImportResult& result, const ImportOptions& options) {
+std::string import_report(const ImportResult& result) {
   Json report;
   if (const auto& origin = result.network.georeference) {
     report["origin"] = {{"latitude_deg", origin->latitude_deg},
@@ -34,10 +35,10 @@ std::string import_report(const ImportResult& result, const ImportOptions& optio
                         {"height_m", origin->height_m}};
     report["length_distortion"] = length_distortion(result.greatest_distance_m);
   }
-  report["allowed_error_m"] = options.max_error_m;
   report["roads"] = Json::array();
   for (std::size_t i = 0; i < result.certificates.size(); ++i) {
-    report["roads"].push_back(certificate_json(result.certificates[i], result.network.roads[i]));
+    report["roads"].push_back(
+        certificate_json(result.certificates[i], result.network.roads[i], result.allowed_error_m[i]));
   }
   report["diagnostics"] = Json::array();
   for (const Diagnostic& d : result.diagnostics) {

@@ -27,8 +27,7 @@ class LineIndex {
   std::vector<std::ptrdiff_t> newlines_;
 };
 
-// A number in C notation with nothing else but blanks around it, whatever the locale; nan and inf are
-// numbers.
+// A number in C notation with nothing else but blanks around it, whatever the locale; nan and inf are numbers.
 std::optional<double> parse_number(std::string_view text);
 
 // The text without blanks, tabs and carriage returns at both ends.

@@ -9,15 +9,14 @@
 
 namespace roadgen {
 
-// A point as read. x and y are finite; heights may be void values, widths may be nonsense: clean_track
-// decides.
+// A point as read. x and y are finite; heights may be void values, widths may be nonsense: clean_track decides.
 struct TrackPoint {
-  double x = 0;                         // longitude in degrees east, or metres
-  double y = 0;                         // latitude in degrees north, or metres
-  std::optional<double> height_m = {};  // none where the file has none
-  std::optional<double> width_m = {};   // of the whole road
-  int index = 0;                        // 1-based number of the point in its track
-  int line = 0;                         // 1-based line in the file, or 0 where the reader does not tell
+  double x = 0;                          // longitude in degrees east, or metres
+  double y = 0;                          // latitude in degrees north, or metres
+  std::optional<double> height_m = {};   // none where the file has none
+  std::optional<double> width_m = {};    // of the whole road
+  int index = 0;                         // 1-based number of the point in its track
+  int line = 0;                          // 1-based line in the file, or 0 where the reader does not tell
 };
 
 // One line string of a file; it becomes one road.
@@ -26,12 +25,13 @@ struct Track {
   std::string element;   // the feature's id, track number, ...; empty where the file is one track
   std::string name;      // for people
   bool geodetic = true;  // longitude and latitude on WGS84, not metres
-  std::vector<TrackPoint> points;
+  bool recorded = false; // by a moving GPS receiver, not surveyed or drawn on a map
+  std::vector<TrackPoint> points = {};
 };
 
-// All tracks of a file, by the ending of its name: .csv, .txt (see csv.h), .gpx (gpx.h), .geojson, .json,
-// .kml, .shp, .gpkg (see ogr.h). Points whose position is missing or not finite are left out with a
-// diagnostic. Errors: kIo; kParse with the line where known; kData where the file holds no line.
+// All tracks of a file, by the ending of its name: .csv and .txt (see csv.h), .gpx (see gpx.h), .geojson, .json, .kml,
+// .shp and .gpkg (see ogr.h). Points whose position is missing or not finite are left out with a diagnostic.
+// Errors: kIo; kParse with the line where known; kData where the file holds no line.
 Result<std::vector<Track>> read_tracks(const std::string& path, Diagnostics& diagnostics);
 
 // "point 7" or "points 7-9"; with the lines of the file where they are known.

@@ -1,0 +1,138 @@
+// The whole import, from files to a network.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "roadgen/import/import.h"
+#include "tests/temporary_folder.h"
+
+namespace roadgen {
+namespace {
+
+using test::TemporaryFolder;
+
+std::string row(double a, double b) { return std::to_string(a) + "," + std::to_string(b) + "\n"; }
+
+ImportResult imported(const std::vector<std::string>& paths, const ImportOptions& options = {}) {
+  Result<ImportResult> result = import_files(paths, options);
+  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().text());
+  return result.ok() ? *result : ImportResult{};
+}
+
+bool mentions(const Diagnostics& diagnostics, const std::string& what) {
+  for (const Diagnostic& d : diagnostics) {
+    if (d.text().find(what) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(Import, FilesShareOneFrameAboutTheirCommonCentre) {
+  const TemporaryFolder folder;
+  const std::string a =
+      folder.put("a.csv", "lat,lon,height\n50,11,300\n50.0000007,11.003,300\n50,11.006,300\n");
+  const std::string b = folder.put("b.csv", "lat,lon\n50.01,11\n50.01,11.005\n");
+  const ImportResult result = imported({a, b});
+  ASSERT_EQ(result.network.roads.size(), 2u);
+  EXPECT_EQ(result.network.roads[1].id, "2");
+  EXPECT_EQ(result.network.roads[1].name, "b");
+  EXPECT_EQ(result.network.georeference->latitude_deg, 50.005);
+  EXPECT_EQ(result.network.georeference->longitude_deg, 11.003);
+  EXPECT_EQ(result.network.georeference->height_m, 0);
+  const Segment &first = result.network.roads[0].segments.front(),
+                &second = result.network.roads[1].segments.front();
+  EXPECT_NEAR(second.start_m.y - first.start_m.y, 0.01 * 111229, 1);
+  EXPECT_NEAR(first.elevation_m.c0, 300, 0.1);
+}
+
+TEST(Import, TheOriginMovesTheRoadsAndNothingElse) {
+  const TemporaryFolder folder;
+  std::string text = "lat,lon\n";
+  for (int i = 0; i < 40; ++i) text += row(50 + 1e-4 * i, 11 + 3e-4 * std::sin(0.2 * i));
+  const std::string path = folder.put("a.csv", text);
+  ImportOptions moved;
+  moved.origin = Georeference{50.01, 11.02, 0};
+  const ImportResult a = imported({path}), b = imported({path}, moved);
+  EXPECT_NEAR(a.certificates[0].length_m, b.certificates[0].length_m, 1e-3);
+  EXPECT_NEAR(a.greatest_distance_m, 220, 20);
+  EXPECT_GT(b.greatest_distance_m, 1000);
+}
+
+TEST(Import, TheAntimeridianIsNoSeam) {
+  const TemporaryFolder folder;
+  const std::string path = folder.put("a.csv", "lat,lon\n0,179.999\n0,-180\n0,-179.998\n");
+  const ImportResult result = imported({path});
+  EXPECT_NEAR(result.network.georeference->longitude_deg, -179.9995, 1e-9);
+  EXPECT_NEAR(result.certificates[0].length_m, 0.003 * 111319.5, 0.01);
+}
+
+TEST(Import, RecordedTracksAreAllowedTheErrorOfGps) {
+  const TemporaryFolder folder;
+  std::string points;
+  for (int i = 0; i < 20; ++i) points += "<trkpt lat=\"" + std::to_string(50 + 1e-4 * i) + "\" lon=\"11\"/>";
+  const std::string path = folder.put("a.gpx", "<gpx><trk><trkseg>" + points + "</trkseg></trk></gpx>");
+  EXPECT_EQ(imported({path}).allowed_error_m[0], kGpsError_m);
+  ImportOptions own;
+  own.max_error_m = 0.5;
+  EXPECT_EQ(imported({path}, own).allowed_error_m[0], 0.5);
+}
+
+TEST(Import, TracksTooShortAreLeftOutWhereOthersRemain) {
+  const TemporaryFolder folder;
+  const std::string path = folder.put("a.gpx", R"(<gpx><trk><trkseg><trkpt lat="50" lon="11"/></trkseg></trk>
+<trk><trkseg><trkpt lat="50" lon="11"/><trkpt lat="50.01" lon="11"/></trkseg></trk></gpx>)");
+  const ImportResult result = imported({path});
+  EXPECT_EQ(result.network.roads.size(), 1u);
+  EXPECT_TRUE(mentions(result.diagnostics, "left out"));
+}
+
+TEST(Import, DistanceFromTheOriginIsTold) {
+  const TemporaryFolder folder;
+  const std::string path = folder.put("a.csv", "lat,lon\n50,11\n50.01,11\n");
+  ImportOptions far;
+  far.origin = Georeference{51, 11, 0};
+  EXPECT_TRUE(mentions(imported({path}, far).diagnostics, "km from the origin"));
+  EXPECT_FALSE(mentions(imported({path}).diagnostics, "km from the origin"));
+}
+
+TEST(Import, WidthsOfTheFileBecomeHalfWidths) {
+  const TemporaryFolder folder;
+  const std::string path = folder.put("a.csv", "x,y,width\n0,0,4\n100,0,6\n200,0,\n");
+  ImportOptions options;
+  options.width_m = 9;
+  const Road road = imported({path}, options).network.roads[0];
+  EXPECT_NEAR(road.segments.front().half_width_m.value(0), 2, 0.1);
+  EXPECT_NEAR(road.segments.back().half_width_m.value(road.segments.back().arc_m), 4.5, 0.1);
+}
+
+TEST(Import, ProgressGrowsFromNothingToAll) {
+  const TemporaryFolder folder;
+  const std::string path = folder.put("a.csv", "x,y\n0,0\n100,0\n");
+  double last = 0;
+  const auto result = import_files({path, path, path}, {}, [&](double part, const std::string&) {
+    EXPECT_GE(part, last);
+    last = part;
+  });
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(last, 1);
+}
+
+TEST(Import, OptionsOutOfRangeAreUsageErrors) {
+  const TemporaryFolder folder;
+  const std::string path = folder.put("a.csv", "lat,lon\n50,11\n50.01,11\n");
+  const auto code = [&](const ImportOptions& options) {
+    const auto result = import_files({path}, options);
+    EXPECT_FALSE(result.ok());
+    return result.ok() ? ErrorCode::kData : result.error().code;
+  };
+  ImportOptions error, width, origin;
+  error.max_error_m = NAN;
+  width.width_m = 1000;
+  origin.origin = Georeference{0, 181, 0};
+  EXPECT_EQ(code(error), ErrorCode::kUsage);
+  EXPECT_EQ(code(width), ErrorCode::kUsage);
+  EXPECT_EQ(code(origin), ErrorCode::kUsage);
+  EXPECT_EQ(import_files({}, {}).error().code, ErrorCode::kUsage);
+}
+
+}  // namespace
+}  // namespace roadgen
