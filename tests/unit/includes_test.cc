@@ -35,7 +35,7 @@ const std::map<std::string, Names>& allowed() {
       {"roadgen/export", files},
       {"roadgen/query", network},
       {"roadgen/object", network},
-      {"terrain", with(network, {"roadgen/query", "roadgen/export"})},
+      {"terrain", with(network, {"roadgen/query", "roadgen/import", "roadgen/export"})},
       {"roadgen/render", with(network, {"roadgen/query", "roadgen/object", "terrain"})},
       {"roadgen/pick", with(scene, {"roadgen/render"})},
       {"roadgen/capi", all},
