@@ -13,6 +13,7 @@
 #include "roadgen/cli/scene.h"
 #include "roadgen/cli/video.h"
 #include "roadgen/export/atomic_file.h"
+#include "roadgen/import/opendrive.h"
 #include "roadgen/render/flight.h"
 
 namespace roadgen::cli {
@@ -83,9 +84,18 @@ class Sink {
   std::string folder_;
 };
 
-const Road& longest_road(const Network& network) {
-  return *std::max_element(network.roads.begin(), network.roads.end(),
+// The named road, or the longest one.
+Result<const Road*> road_to_follow(const Network& network, const std::string& id) {
+  if (!id.empty()) return named_road(network, id);
+  if (network.roads.empty()) return Error{ErrorCode::kData, "the network has no road to fly along"};
+  return &*std::max_element(network.roads.begin(), network.roads.end(),
                            [](const Road& a, const Road& b) { return a.length_m() < b.length_m(); });
+}
+
+// Whether the output can be written, before the work rather than after it.
+Status check_output(const std::string& path) {
+  if (path.empty() || std::filesystem::is_directory(path)) return Done{};
+  return check_writable(path);
 }
 
 Status check_options(const FlyOptions& options) {
@@ -105,14 +115,16 @@ Status fly(FlyOptions& options) {
   options.scene.width = size->width;
   options.scene.height = size->height;
   options.scene.visible = window;
-  auto scene = open_scene(options.scene);
+  const auto network = read_opendrive(options.scene.network_path);
+  if (!network) return network.error();
+  const auto road = road_to_follow(*network, options.follow);
+  if (!road) return road.error();
+  Camera camera;
+  camera.fov_deg = options.fov_deg;
+  if (Status s = check_camera(camera); !s) return s;
+  if (Status s = check_output(options.output); !s) return s;
+  auto scene = open_scene(options.scene, *network);
   if (!scene) return scene.error();
-  const Road* road = &longest_road(scene->network);
-  if (!options.follow.empty()) {
-    const auto named = named_road(scene->network, options.follow);
-    if (!named) return named.error();
-    road = *named;
-  }
   auto sink = Sink::open(options, *size);
   if (!sink) return sink.error();
 
@@ -122,7 +134,7 @@ Status fly(FlyOptions& options) {
   ProgressLine progress;
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < options.frames; ++i) {
-    Camera camera = flight_camera(*road, road->length_m() * i / options.frames, options.flight);
+    camera = flight_camera(**road, (*road)->length_m() * i / options.frames, options.flight);
     camera.fov_deg = options.fov_deg;
     const auto frame = scene->renderer->render(camera, {.width = size->width, .height = size->height});
     if (!frame) return frame.error();
@@ -145,7 +157,7 @@ Status fly(FlyOptions& options) {
     if (Status s = write_png(options.contact_sheet, sheet); !s) return s;
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  nlohmann::json report = {{"road", road->id}, {"length_m", road->length_m()}, {"frames", options.frames},
+  nlohmann::json report = {{"road", (*road)->id}, {"length_m", (*road)->length_m()}, {"frames", options.frames},
                            {"seconds", seconds}, {"renderer", scene->context->renderer()}};
   if (!options.output.empty()) report["output"] = options.output;
   if (!options.contact_sheet.empty()) report["contact_sheet"] = options.contact_sheet;

@@ -8,6 +8,7 @@
 #include "roadgen/cli/command.h"
 #include "roadgen/cli/scene.h"
 #include "roadgen/export/atomic_file.h"
+#include "roadgen/import/opendrive.h"
 #include "roadgen/render/flight.h"
 
 namespace roadgen::cli {
@@ -59,6 +60,7 @@ Result<Camera> find_camera(const RenderOptions& options, const Network& network)
     camera = drive_camera(**road, (*n)[0], (*n)[1], (*n)[2]);
   }
   camera.fov_deg = options.fov_deg;
+  if (Status s = check_camera(camera); !s) return s.error();
   return camera;
 }
 
@@ -103,10 +105,12 @@ Status render(const RenderOptions& options) {
   }
   // Before the work, not after it.
   if (Status s = check_writable(options.prefix + ".color.png"); !s) return s;
-  auto scene = open_scene(options.scene);
-  if (!scene) return scene.error();
-  const auto camera = find_camera(options, scene->network);
+  const auto network = read_opendrive(options.scene.network_path);
+  if (!network) return network.error();
+  const auto camera = find_camera(options, *network);
   if (!camera) return camera.error();
+  auto scene = open_scene(options.scene, *network);
+  if (!scene) return scene.error();
   const auto frame =
       scene->renderer->render(*camera, {.width = size->width, .height = size->height, .channels = *channels});
   if (!frame) return frame.error();

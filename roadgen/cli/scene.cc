@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 
 #include "roadgen/cli/command.h"
-#include "roadgen/import/opendrive.h"
 #include "terrain/terrain.h"
 
 namespace roadgen::cli {
@@ -20,13 +19,18 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
   app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
 }
 
-Result<Scene> open_scene(const SceneOptions& options) {
+Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   Scene scene;
   const auto kind = context_kind_from_name(options.context);
   if (!kind) return kind.error();
-  auto network = read_opendrive(options.network_path);
-  if (!network) return network.error();
-  scene.network = std::move(*network);
+  // Before the terrain, which takes longer and needs no context.
+  auto context = Context::create({.kind = *kind,
+                                  .egl_device = options.egl_device,
+                                  .width = options.width,
+                                  .height = options.height,
+                                  .visible = options.visible});
+  if (!context) return context.error();
+  scene.context = std::move(*context);
 
   Diagnostics diagnostics;
   std::optional<Elevation> elevation;
@@ -38,26 +42,19 @@ Result<Scene> open_scene(const SceneOptions& options) {
   ProgressLine progress;
   TerrainOptions terrain_options;
   terrain_options.progress = [&](double part) { progress.show(part, "terrain"); };
-  auto terrain = Terrain::build(scene.network, elevation ? &*elevation : nullptr, terrain_options);
+  auto terrain = Terrain::build(network, elevation ? &*elevation : nullptr, terrain_options);
   progress.clear();
   print_diagnostics(diagnostics, "");
   if (!terrain) return terrain.error();
-  const TerrainReport& report = terrain->report();
-  std::fprintf(stderr, "terrain: %zu triangles, clearance under the roads %.3f to %.3f m, %zu voids filled, %.1f s\n",
-               report.triangles, report.clearance_min_m, report.clearance_max_m, report.voids_filled, report.seconds);
 
-  auto context = Context::create({.kind = *kind,
-                                  .egl_device = options.egl_device,
-                                  .width = options.width,
-                                  .height = options.height,
-                                  .visible = options.visible});
-  if (!context) return context.error();
-  scene.context = std::move(*context);
   auto renderer = Renderer::create(*scene.context);
   if (!renderer) return renderer.error();
   scene.renderer.emplace(std::move(*renderer));
-  if (Status s = scene.renderer->load_roads(scene.network); !s) return s.error();
+  if (Status s = scene.renderer->load_roads(network); !s) return s.error();
   if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
+  const TerrainReport& report = terrain->report();
+  std::fprintf(stderr, "terrain: %zu triangles, clearance under the roads %.3f to %.3f m, %zu voids filled, %.1f s\n",
+               report.triangles, report.clearance_min_m, report.clearance_max_m, report.voids_filled, report.seconds);
   return scene;
 }
 

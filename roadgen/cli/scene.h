@@ -29,14 +29,13 @@ struct SceneOptions {
 void add_scene_options(CLI::App& app, SceneOptions& options);
 
 struct Scene {
-  Network network;
   std::unique_ptr<Context> context;
   std::optional<Renderer> renderer;  // after the context: destroyed before it
 };
 
-// Reads the network, builds the terrain and opens the renderer; messages about both on stderr.
-// Errors: of any of the three.
-Result<Scene> open_scene(const SceneOptions& options);
+// Opens the context, builds the terrain and loads both into a renderer; messages about the terrain on stderr.
+// Errors: of any of the three; kUsage for an unknown context.
+Result<Scene> open_scene(const SceneOptions& options, const Network& network);
 
 // "1280x720" to two positive integers. Errors: kUsage.
 struct PictureSize { int width, height; };

@@ -10,6 +10,17 @@ double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 }  // namespace
 
+Status check_camera(const Camera& camera) {
+  const double sum = camera.position_m.x + camera.position_m.y + camera.position_m.z + camera.yaw_deg +
+                     camera.pitch_deg + camera.roll_deg;
+  if (!std::isfinite(sum)) return Error{ErrorCode::kUsage, "the camera's position and angles must be finite numbers"};
+  if (!(camera.fov_deg > 0 && camera.fov_deg <= 170)) {
+    return Error{ErrorCode::kUsage, "the field of view must lie in (0, 170] degrees"};
+  }
+  if (!(camera.near_m > 0)) return Error{ErrorCode::kUsage, "the near plane must lie in front of the camera"};
+  return Done{};
+}
+
 ViewAxes view_axes(const Camera& camera) {
   const double cy = std::cos(radians(camera.yaw_deg)), sy = std::sin(radians(camera.yaw_deg));
   const double cp = std::cos(radians(camera.pitch_deg)), sp = std::sin(radians(camera.pitch_deg));

@@ -5,6 +5,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "roadgen/road/result.h"
+
 namespace roadgen {
 
 struct Camera {
@@ -15,6 +17,9 @@ struct Camera {
   double fov_deg = 50;             // vertical, in (0, 170]
   double near_m = 0.1;             // > 0; there is no far plane
 };
+
+// Errors: kUsage: a number that is not finite, or out of its range.
+Status check_camera(const Camera& camera);
 
 // Unit axes of the view in ENU.
 struct ViewAxes {

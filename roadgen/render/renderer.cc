@@ -146,16 +146,10 @@ Image<std::uint32_t> channel(const ImageF& image, int index) {
 }
 
 Status check_request(const Camera& camera, int width, int height) {
-  const auto usage = [](std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; };
   if (width < 1 || height < 1 || width > 16384 || height > 16384) {
-    return usage("the picture's size must lie in 1 to 16384 pixels each way");
+    return Error{ErrorCode::kUsage, "the picture's size must lie in 1 to 16384 pixels each way"};
   }
-  const double sum = camera.position_m.x + camera.position_m.y + camera.position_m.z + camera.yaw_deg +
-                     camera.pitch_deg + camera.roll_deg;
-  if (!std::isfinite(sum)) return usage("the camera's position and angles must be finite numbers");
-  if (!(camera.fov_deg > 0 && camera.fov_deg <= 170)) return usage("the field of view must lie in (0, 170] degrees");
-  if (!(camera.near_m > 0)) return usage("the near plane must lie in front of the camera");
-  return Done{};
+  return check_camera(camera);
 }
 
 }  // namespace
