@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Pieces whose width changed after the division (narrowed neighbours, tapers) are divided again, this often at most.
-constexpr int kMostWidthRounds = 16;
+constexpr int kMostWidthRounds = 8;
 
 template <class... Numbers>
 std::string text(const char* format, Numbers... numbers) {
@@ -168,8 +168,9 @@ Status Alignment::divide_part(std::size_t stretch, double t0, double t1, double 
     pieces.push_back(piece);
   }
   if (division.cusps.empty()) return Done{};
-  return Error{ErrorCode::kGeometry, place(stretch) + text(" (s = %.3f m) the road stops or reverses on the spot; remove "
-                                                           "or move an anchor there, or give other headings", s_m)};
+  return Error{ErrorCode::kGeometry,
+               place(stretch) + text(" (s = %.3f m) the road stops or reverses on the spot; remove or move an anchor "
+                                     "there, or give other headings", s_m)};
 }
 
 Status Alignment::tight_error(const Piece& piece, double half_width_m) const {

@@ -54,14 +54,15 @@ struct AlignmentOptions {
 std::vector<double> catmull_rom_headings(std::span<const Anchor> anchors, const AlignmentOptions& options);
 
 // The road through the anchors: passes through every (non-repeated) anchor exactly, tangent continuous, every segment
-// admissible; elevation C1 by the same rule (Catmull-Rom in s), half width C1 with slope 0 at the anchors and never above
-// the greater of the two beside it.
+// admissible; elevation C1 by the same rule (Catmull-Rom in s), half width C1 with slope 0 at the anchors and never
+// above the greater of the two beside it.
 // A segment between two anchors that is not admissible is split: pieces interpolate points and tangents of the
 // parametric cubic through the same anchors and tangents. That is the cubic Hermite curve whose end tangents have the
-// length L / cos(angle off the chord), which is the graph cubic of shaders/lib/road.glsl, up to 60 degrees off the chord,
-// and 2 L beyond.
+// length L / cos(angle off the chord) up to 60 degrees off the chord, which makes it the graph cubic of
+// shaders/lib/road.glsl, and 2 L beyond. Between two anchors the greater of their half widths decides what is tight.
 // Diagnostics: repeated anchors that were dropped, and narrowed stretches, both as warnings.
-// Errors: fewer than two distinct anchors; not finite or beyond kGreatestCoordinate_m; tight (see TightPolicy); a cusp (the road turns on the spot).
+// Errors: fewer than two distinct anchors; not finite or beyond kGreatestCoordinate_m; tight (see TightPolicy); a cusp
+// (the road turns on the spot).
 // Cost: O(n log(1/tolerance)).
 Result<Road> road_from_anchors(std::span<const Anchor> anchors, const AlignmentOptions& options,
                                Diagnostics* diagnostics = nullptr);

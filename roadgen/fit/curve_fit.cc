@@ -14,6 +14,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Samples of a segment that misses are weighted anew this often before an anchor is added.
 constexpr int kMostTries = 2;
+constexpr double kMostWeight = 30;
 // The first guess leaves room below the error allowed, for the joints between its cubics.
 constexpr double kGuessShare = 0.7;
 // Nodes farther than this from a changed one stay where they are.
@@ -295,12 +296,15 @@ void CurveFit::weigh(const Node& from, const Node& to) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double share = std::min(distance_m(d, samples[i]) / limit_m_, 2.0);
     const std::size_t k = from.begin + i;
-    weight_[k] = std::min(weight_[k] * (1 + share * share), 30.0);
-    if (options_.closed) weight_[k < count() ? k + count() : k - count()] = weight_[k];
+    set_weight(k, std::min(weight_[k] * (1 + share * share), kMostWeight));
   }
 }
 
-// Puts a node on its sample for good; where that was not enough, turns it as the neighbouring samples say, for good too.
+void CurveFit::set_weight(std::size_t sample, double weight) {
+  for (std::size_t k = sample % count(); k < weight_.size(); k += count()) weight_[k] = weight;
+}
+
+// Puts a node on its sample for good; where that was not enough, turns it as the samples beside it say, for good too.
 bool CurveFit::settle(Node& node) {
   Joint& joint = node.joint;
   if (joint.fixed_position && joint.fixed_heading) return false;
@@ -326,18 +330,7 @@ bool CurveFit::improve_segment(Node& from, Node& to, int round, std::vector<Node
     return true;
   }
   from.tries = 0;
-  if (round >= kPatience) {
-    bool any = false;
-    for (std::size_t i = from.begin; i < from.begin + size; ++i) {
-      if (taken_[i % count()]) continue;
-      added.push_back(new_node(i));
-      added.back().joint.heading_rad = guessed_heading(i, i, i);
-      settle(added.back());
-      any = true;
-    }
-    for (Node* node : {&from, &to}) any = settle(*node) || any;
-    return any;
-  }
+  if (round >= kPatience) return insert_all(from, to, added);
   if (taken_[sample] || size == 0) {
     // Its node slid away from it, or an end of a segment without samples is wrong.
     bool any = false;
@@ -351,6 +344,20 @@ bool CurveFit::improve_segment(Node& from, Node& to, int round, std::vector<Node
   added.push_back(new_node(worst.sample));
   added.back().joint.heading_rad = guessed_heading(from.begin, worst.sample, from.begin + size - 1);
   return true;
+}
+
+// Makes all samples of a segment anchors that stay on them.
+bool CurveFit::insert_all(Node& from, Node& to, std::vector<Node>& added) {
+  bool any = false;
+  for (std::size_t i = from.begin; i < end_of(from, to); ++i) {
+    if (taken_[i % count()]) continue;
+    added.push_back(new_node(i));
+    added.back().joint.heading_rad = guessed_heading(i, i, i);
+    settle(added.back());
+    any = true;
+  }
+  for (Node* node : {&from, &to}) any = settle(*node) || any;
+  return any;
 }
 
 // Puts the nearer end of the segment on a sample beside it, where a node of its own would make a stub and a kink.
@@ -430,8 +437,23 @@ bool CurveFit::try_remove(std::size_t node) {
   const Node front = nodes.front(), back = nodes.back();
   if (window.front_stays) nodes.front().joint.fixed_position = nodes.front().joint.fixed_heading = true;
   if (window.back_stays) nodes.back().joint.fixed_position = nodes.back().joint.fixed_heading = true;
-  const std::size_t segments = nodes.size() - (window.whole ? 0 : 1);
+  if (!fits_without(nodes, window)) return false;
+  if (window.front_stays) nodes.front().joint = front.joint;
+  if (window.back_stays) nodes.back() = back;
+  for (std::size_t k = 0; k < window.at.size(); ++k) {
+    nodes_[window.at[k]] = nodes[k];
+    nodes_[window.at[k]].stays = false;
+  }
+  taken_[nodes_[node].sample] = 0;
+  nodes_.erase(nodes_.begin() + static_cast<std::ptrdiff_t>(node));
+  return true;
+}
+
+// Solves for the nodes of a window, with new weights where that may help; true where all samples are within the error.
+bool CurveFit::fits_without(std::vector<Node>& nodes, const Window& window) {
+  const std::size_t segments = nodes.size() - (window.whole ? 0 : 1), begin = nodes.front().begin;
   const auto after = [&](std::size_t k) -> Node& { return nodes[k + 1 == nodes.size() ? 0 : k + 1]; };
+  const std::vector<double> weights = weights_of(nodes, window.whole);
   for (int tries = 0; tries < kRemovalTries; ++tries) {
     solve(nodes, window.whole);
     double worst = 0, bending = 0;
@@ -439,24 +461,19 @@ bool CurveFit::try_remove(std::size_t node) {
       worst = std::max(worst, measure(nodes[k], after(k)).distance_m);
       bending += nodes[k].bending;
     }
-    if (worst > kMendable * limit_m_) return false;
-    if (worst > limit_m_) {
-      for (std::size_t k = 0; k < segments; ++k) weigh(nodes[k], after(k));
-      continue;
-    }
-    // Within the error but bent more than before: it would swing between the samples.
-    if (bending > kMostBendingGrowth * window.bending) return false;
-    if (window.front_stays) nodes.front().joint = front.joint;
-    if (window.back_stays) nodes.back() = back;
-    for (std::size_t k = 0; k < window.at.size(); ++k) {
-      nodes_[window.at[k]] = nodes[k];
-      nodes_[window.at[k]].stays = false;
-    }
-    taken_[nodes_[node].sample] = 0;
-    nodes_.erase(nodes_.begin() + static_cast<std::ptrdiff_t>(node));
-    return true;
+    // Bent more than before, it would swing between the samples.
+    if (worst <= limit_m_ && bending <= kMostBendingGrowth * window.bending) return true;
+    if (worst <= limit_m_ || worst > kMendable * limit_m_) break;
+    for (std::size_t k = 0; k < segments; ++k) weigh(nodes[k], after(k));
   }
+  for (std::size_t i = 0; i < weights.size(); ++i) set_weight(begin + i, weights[i]);
   return false;
+}
+
+// Weights of all samples of a run of nodes, from the first one's begin on.
+std::vector<double> CurveFit::weights_of(const std::vector<Node>& nodes, bool whole) const {
+  const std::size_t begin = nodes.front().begin, end = whole ? begin + count() : end_of(nodes.front(), nodes.back());
+  return {weight_.begin() + static_cast<std::ptrdiff_t>(begin), weight_.begin() + static_cast<std::ptrdiff_t>(end)};
 }
 
 void CurveFit::add_on_curve(std::span<const std::size_t> samples) {

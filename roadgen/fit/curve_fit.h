@@ -78,9 +78,13 @@ class CurveFit {
   bool improve_segment(Node& from, Node& to, int round, std::vector<Node>& added);
   bool settle(Node& node);
   bool reseat(Node& from, Node& to, std::size_t sample);
+  bool insert_all(Node& from, Node& to, std::vector<Node>& added);
+  void set_weight(std::size_t sample, double weight);
   void weigh(const Node& from, const Node& to);
   void remove_spare();
   Window window_around(std::size_t node) const;
+  bool fits_without(std::vector<Node>& nodes, const Window& window);
+  std::vector<double> weights_of(const std::vector<Node>& nodes, bool whole) const;
   bool try_remove(std::size_t node);
 
   const FitOptions options_;

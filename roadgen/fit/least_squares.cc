@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <ceres/ceres.h>
@@ -229,11 +230,13 @@ class Chain {
     }
     for (std::size_t i = 0; i < segment_count; ++i) {
       if (is_constant(i) && is_constant(i + 1)) continue;
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ArcCost, 1, 3, 3>(new ArcCost{max_error_m_ / kArcScale_m * length_m(i)}), nullptr, block(i),
+      ArcCost* const arc = new ArcCost{max_error_m_ / kArcScale_m * length_m(i)};  // Ceres takes ownership
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ArcCost, 1, 3, 3>(arc), nullptr, block(i),
                                 block(i + 1));
       if ((!closed_ && i + 1 == segment_count) || joints_.size() < 3) continue;
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<CurvatureCost, 1, 3, 3, 3>(new CurvatureCost{max_error_m_ / kCurvatureScale_m, length_m(i), length_m(i + 1)}), nullptr,
-                                block(i), block(i + 1), block(i + 2));
+      CurvatureCost* const jump = new CurvatureCost{max_error_m_ / kCurvatureScale_m, length_m(i), length_m(i + 1)};
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<CurvatureCost, 1, 3, 3, 3>(jump), nullptr, block(i),
+                                block(i + 1), block(i + 2));
     }
   }
 
@@ -250,7 +253,7 @@ class Chain {
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       const double* b = block(i);
       joints_[i].position_m = {b[0], b[1]};
-      joints_[i].heading_rad = std::remainder(b[2], 2 * M_PI);
+      joints_[i].heading_rad = std::remainder(b[2], 2 * std::numbers::pi);
     }
   }
 

@@ -24,15 +24,16 @@ struct SegmentSamples {
 };
 
 // Minimizes, over the positions and headings of the joints that are not fixed,
-//   sum over samples of (weight v)^2, v in metres by the road function (glsl::Library::road_project) with derivatives by
-//   automatic differentiation,
+//   sum over samples of (weight v)^2, v in metres by the road function (glsl::Library::road_project), differentiated
+//     automatically,
 //   + sum over joints of (kSlideWeight * shift along the tangent)^2, since samples hardly determine that shift,
 //   + sum over inner joints of (max_error_m / kCurvatureScale_m * L L' * curvature jump)^2 and over segments of
-//     (max_error_m / kArcScale_m * L^2 * curvature change)^2, which keep the curve fair between sparse samples: a jump by
-//     which the curves would part by kCurvatureScale_m / 2 over L counts like a sample at the greatest error.
+//     (max_error_m / kArcScale_m * L^2 * curvature change)^2, which keep the curve fair between sparse samples: a jump
+//     by which the curves would part by kCurvatureScale_m / 2 over L counts like a sample at the greatest error.
 // segments[i] lies between joints[i] and joints[i + 1]; a closed chain has as many segments as joints and wraps, an open
 // one less one. Segments whose tangents are more than about 75 degrees off the chord take no part by their samples.
-// Deterministic. Cost: about 10 passes over the samples.
+// No joint moves by more than a quarter of the shorter chord beside it. Deterministic.
+// Cost: about 10 passes over the samples.
 void solve_joints(std::span<Joint> joints, std::span<const SegmentSamples> segments, bool closed, double max_error_m);
 
 inline constexpr double kSlideWeight = 1;

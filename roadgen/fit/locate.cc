@@ -23,24 +23,21 @@ struct Box {
   }
 };
 
-// A complete binary tree of boxes over the segments in order; node i has the children 2 i and 2 i + 1.
+// A binary tree of boxes over the segments, halved at the median of the longer side: node i has the children 2 i and
+// 2 i + 1. The halves follow the plane, not the road, which may fill it like a knot.
 class SegmentTree {
  public:
-  explicit SegmentTree(const Road& road) : road_(road) {
-    while (leaves_ < road.segments.size()) leaves_ *= 2;
-    boxes_.resize(2 * leaves_);
-    for (std::size_t i = 0; i < road.segments.size(); ++i) {
+  explicit SegmentTree(const Road& road) : road_(road), order_(road.segments.size()), of_segment_(order_.size()) {
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      order_[i] = i;
       const Segment& s = road.segments[i];
       const Cubic::Range f = curve_range(s.slope_start, s.slope_end);
       for (const double x : {0.0, 1.0}) {
-        for (const double y : {f.low, f.high}) boxes_[leaves_ + i].add(from_chord(s, {x, y}));
+        for (const double y : {f.low, f.high}) of_segment_[i].add(from_chord(s, {x, y}));
       }
     }
-    for (std::size_t i = leaves_; i-- > 1;) {
-      boxes_[i] = boxes_[2 * i];
-      boxes_[i].add(boxes_[2 * i + 1].low);
-      boxes_[i].add(boxes_[2 * i + 1].high);
-    }
+    boxes_.resize(4 * order_.size());
+    build(1, 0, order_.size());
   }
 
   struct Hit {
@@ -48,15 +45,8 @@ class SegmentTree {
     Nearest nearest{0, kInfinity};
   };
 
-  void improve(Hit& best, glm::dvec2 point_m, std::size_t node = 1) const {
-    // The boxes are exact up to rounding of their corners.
-    if (!(boxes_[node].distance_m(point_m) < best.nearest.distance_m)) return;
-    if (node >= leaves_) return take(best, point_m, node - leaves_);
-    const std::size_t left = 2 * node, right = left + 1;
-    const bool left_first = boxes_[left].distance_m(point_m) <= boxes_[right].distance_m(point_m);
-    improve(best, point_m, left_first ? left : right);
-    improve(best, point_m, left_first ? right : left);
-  }
+  // Takes what is nearer than the hit at hand. Boxes are exact up to rounding of their corners.
+  void improve(Hit& best, glm::dvec2 point_m) const { improve(best, point_m, 1, 0, order_.size()); }
 
   void take(Hit& best, glm::dvec2 point_m, std::size_t segment) const {
     const Nearest here = nearest(road_.segments[segment], point_m);
@@ -64,9 +54,40 @@ class SegmentTree {
   }
 
  private:
+  void build(std::size_t node, std::size_t begin, std::size_t end) {
+    Box& box = boxes_[node];
+    for (std::size_t i = begin; i < end; ++i) {
+      box.add(of_segment_[order_[i]].low);
+      box.add(of_segment_[order_[i]].high);
+    }
+    if (end - begin == 1) return;
+    const glm::dvec2 size = box.high - box.low;
+    const int axis = size.x > size.y ? 0 : 1;
+    const auto place = [&](std::size_t i) { return of_segment_[i].low[axis] + of_segment_[i].high[axis]; };
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto first = order_.begin();
+    std::nth_element(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(middle),
+                     first + static_cast<std::ptrdiff_t>(end),
+                     [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+    build(2 * node, begin, middle);
+    build(2 * node + 1, middle, end);
+  }
+
+  void improve(Hit& best, glm::dvec2 point_m, std::size_t node, std::size_t begin, std::size_t end) const {
+    if (end - begin == 1) return take(best, point_m, order_[begin]);
+    const std::size_t middle = begin + (end - begin) / 2;
+    const double left = boxes_[2 * node].distance_m(point_m), right = boxes_[2 * node + 1].distance_m(point_m);
+    for (const bool second : {false, true}) {
+      const bool to_left = second != (left <= right);
+      if (!((to_left ? left : right) < best.nearest.distance_m)) continue;
+      if (to_left) improve(best, point_m, 2 * node, begin, middle);
+      else improve(best, point_m, 2 * node + 1, middle, end);
+    }
+  }
+
   const Road& road_;
-  std::size_t leaves_ = 1;
-  std::vector<Box> boxes_;
+  std::vector<std::size_t> order_;  // of segments; each node holds a range of it
+  std::vector<Box> of_segment_, boxes_;
 };
 
 }  // namespace

@@ -211,8 +211,8 @@ ProfileFit fit_profile(std::span<const double> knots_m, std::span<const HeightSa
     bool changed = false;
     for (std::size_t i = 0; i < m; ++i) {
       // The neighbours yield too: a bend at a knot takes both sides.
-      const bool before = softer[i == 0 ? (closed ? m - 1 : 0) : i - 1], after = softer[i + 1 == m ? (closed ? 0 : i) : i + 1];
-      if (!(softer[i] || before || after) || lambda[i] <= kLeastLambda) continue;
+      const std::size_t before = i > 0 ? i - 1 : closed ? m - 1 : 0, after = i + 1 < m ? i + 1 : closed ? 0 : i;
+      if (!(softer[i] || softer[before] || softer[after]) || lambda[i] <= kLeastLambda) continue;
       lambda[i] /= 10;
       changed = true;
     }

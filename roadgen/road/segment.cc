@@ -258,7 +258,7 @@ Nearest nearest(const Segment& segment, glm::dvec2 point_m) {
     const double dx = p.x - u, dy = p.y - Lib::road_f(u, a, b);
     return dx * dx + dy * dy;
   };
-  // The squared distance is a polynomial of degree 6, with at most three minima: each that a few samples show is refined.
+  // The squared distance is a polynomial of degree 6: each of its minima, at most three, that samples show is refined.
   constexpr int kSamples = 12;
   std::array<double, kSamples + 1> sample;
   for (int i = 0; i <= kSamples; ++i) sample[i] = distance2(static_cast<double>(i) / kSamples);

@@ -128,8 +128,8 @@ void expect_road_through(const std::vector<Anchor>& anchors, const Road& road, b
   ASSERT_EQ(k, anchors.size());
 }
 
-// Curvature and speed of the curve between two anchors as the header documents it: cubic Hermite, tangents L / cos up to
-// 60 degrees off the chord and 2 L beyond.
+// Least radius of the curve between two anchors as the header documents it: cubic Hermite, tangents L / cos up to 60
+// degrees off the chord and 2 L beyond.
 double tightest_radius_m(const Anchor& from, const Anchor& to, double heading0, double heading1) {
   const glm::dvec2 chord = to.position_m - from.position_m;
   const double length = glm::length(chord);
@@ -391,6 +391,16 @@ TEST(Alignment, FarFromTheOriginNothingChanges) {
   ASSERT_TRUE(checked(*shifted).ok()) << checked(*shifted).problems.front();
   EXPECT_EQ(road->segments.size(), shifted->segments.size());
   EXPECT_NEAR(road->length_m(), shifted->length_m(), 1e-6);
+}
+
+// Heights on a parabola over anchors at equal distances: Catmull-Rom is exact there, the ends included.
+TEST(Alignment, ParabolicProfilesAreReproduced) {
+  std::vector<Anchor> anchors;
+  const auto height = [](double s) { return 3 + 0.04 * s - 2e-4 * s * s; };
+  for (int i = 0; i <= 10; ++i) anchors.push_back({{30.0 * i, 0}, height(30.0 * i)});
+  const Result<Road> road = road_from_anchors(anchors, {});
+  ASSERT_TRUE(road.ok());
+  for (double s = 0; s <= 300; s += 1.7) EXPECT_NEAR(pose_at(*road, s, 0).position_m.z, height(s), 1e-10) << s;
 }
 
 TEST(Alignment, GivenGradesAreKept) {

@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "roadgen/fit/fit.h"
+#include "roadgen/fit/least_squares.h"
+#include "roadgen/fit/profile.h"
 
 namespace roadgen {
 namespace {
@@ -236,6 +238,66 @@ TEST(Fit, IsTheSameInEveryRun) {
   for (std::size_t i = 0; i < first->anchors.size(); ++i) {
     EXPECT_EQ(first->anchors[i].position_m, second->anchors[i].position_m);
     EXPECT_EQ(first->anchors[i].heading_rad, second->anchors[i].heading_rad);
+  }
+}
+
+// Joints pushed off a known chain of cubics return to it, when its points are the samples.
+TEST(SolveJoints, ReturnToTheCurveOfTheSamples) {
+  std::mt19937_64 random(15);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const bool closed : {false, true}) {
+    std::vector<Joint> joints;
+    for (int i = 0; i < 8; ++i) {
+      const double angle = 2 * M_PI * i / 8;
+      joints.push_back({(60 + 5 * uniform(random)) * direction(angle), angle + M_PI / 2 + 0.1 * uniform(random)});
+    }
+    std::vector<std::vector<glm::dvec2>> points;
+    const std::vector<double> weight(30, 1);
+    std::vector<SegmentSamples> samples;
+    for (std::size_t i = 0; i + (closed ? 0 : 1) < joints.size(); ++i) {
+      const Joint &from = joints[i], &to = joints[(i + 1) % joints.size()];
+      const Segment s = make_segment(from.position_m, to.position_m, from.heading_rad, to.heading_rad, 3);
+      points.emplace_back();
+      for (int k = 0; k < 30; ++k) points.back().push_back(position_m(s, (k + 0.5) / 30));
+    }
+    for (const std::vector<glm::dvec2>& p : points) samples.push_back({p, weight});
+    std::vector<Joint> pushed = joints;
+    for (Joint& j : pushed) {
+      j.position_m += 0.3 * uniform(random) * direction(j.heading_rad + M_PI / 2);
+      j.heading_rad += 0.03 * uniform(random);
+    }
+    // A small error leaves next to nothing to fairness.
+    solve_joints(pushed, samples, closed, 1e-5);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      // Along the curve a joint may stay where it was pushed.
+      const glm::dvec2 normal = direction(joints[i].heading_rad + M_PI / 2);
+      EXPECT_NEAR(glm::dot(pushed[i].position_m - joints[i].position_m, normal), 0, 2e-4);
+      EXPECT_NEAR(pushed[i].heading_rad, std::remainder(joints[i].heading_rad, 2 * M_PI), 2e-4);
+    }
+  }
+}
+
+// A ring's profile does not know where s begins.
+TEST(FitProfile, OfARingDoesNotDependOnItsStart) {
+  constexpr double kLength = 1200;
+  constexpr int kKnots = 12, kSamples = 240;
+  const auto height = [](double s) { return 10 + 8 * std::sin(2 * M_PI * s / kLength) + std::cos(s / 31); };
+  const auto fitted = [&](double start) {
+    std::vector<double> knots;
+    for (int i = 0; i < kKnots; ++i) knots.push_back(std::fmod(100.0 * i + 1200 - start, kLength));
+    std::sort(knots.begin(), knots.end());
+    std::vector<HeightSample> samples;
+    for (int i = 0; i < kSamples; ++i) {
+      const double s = 5.0 * i + 2;
+      samples.push_back({std::fmod(s + kLength - start, kLength), height(s)});
+    }
+    return fit_profile(knots, samples, true, kLength, 1.2);
+  };
+  const ProfileFit first = fitted(0), other = fitted(300);
+  EXPECT_LE(first.max_error_m, 1.2);
+  for (std::size_t i = 0; i < kKnots; ++i) {
+    EXPECT_NEAR(first.z_m[(i + 3) % kKnots], other.z_m[i], 1e-9);
+    EXPECT_NEAR(first.grade[(i + 3) % kKnots], other.grade[i], 1e-11);
   }
 }
 

@@ -1,4 +1,4 @@
-// The road function of shaders/lib/road.glsl: tangent continuity at joints, accuracy, and agreement between its scalars.
+// The road function of shaders/lib/road.glsl: tangent continuity at joints, accuracy, agreement between its scalars.
 #include <array>
 #include <cmath>
 #include <random>
@@ -169,7 +169,7 @@ TEST(RoadFunction, ErrorsAreThoseOfTheDesignTable) {
   }
 }
 
-// Slopes of at least 0.5: by how much the worst errors of v of the two approximations add up. Where a = -b they are equal.
+// Slopes of at least 0.5: sums of the worst errors of v of the two approximations. Where a = -b they are equal.
 TEST(RoadFunction, SimplerApproximationIsWorseOnStrongBends) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> slope(0.5, 1);
