@@ -18,6 +18,37 @@ void report(Diagnostics& diagnostics, Severity severity, const std::string& file
   diagnostics.push_back({severity, message, file, first.line, joined(element, points_text(first, last))});
 }
 
+// One repair at many points: a diagnostic for each run of consecutive ones.
+class Run {
+ public:
+  Run(std::string file, std::string element, std::string message, Diagnostics& diagnostics)
+      : file_(std::move(file)),
+        element_(std::move(element)),
+        message_(std::move(message)),
+        diagnostics_(diagnostics) {}
+  ~Run() { flush(); }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  void add(const TrackPoint& point) {
+    if (open_ && point.index != last_.index + 1) flush();
+    if (!open_) first_ = point;
+    last_ = point;
+    open_ = true;
+  }
+
+ private:
+  void flush() {
+    if (open_) report(diagnostics_, Severity::kWarning, file_, element_, first_, last_, message_);
+    open_ = false;
+  }
+
+  std::string file_, element_, message_;
+  Diagnostics& diagnostics_;
+  TrackPoint first_, last_;
+  bool open_ = false;
+};
+
 // Angle between two directions, in [0, pi].
 double turn_rad(glm::dvec2 before, glm::dvec2 after) {
   return std::abs(std::atan2(before.x * after.y - before.y * after.x, glm::dot(before, after)));
@@ -38,28 +69,41 @@ double distance_m(const CleanPoint& a, const CleanPoint& b) {
 std::vector<CleanPoint> without_repetitions(const Track& track, const std::vector<glm::dvec2>& positions_m,
                                             Diagnostics& diagnostics) {
   std::vector<CleanPoint> points;
-  const TrackPoint* first = nullptr;
-  const TrackPoint* last = nullptr;
-  const auto flush = [&] {
-    if (!first) return;
-    report(diagnostics, Severity::kWarning, track.file, track.element, *first, *last,
-           "within 1 cm of the point before: dropped");
-    first = nullptr;
-  };
+  Run run(track.file, track.element, "within 1 cm of the point before: dropped", diagnostics);
   for (std::size_t i = 0; i < track.points.size(); ++i) {
     const CleanPoint point{positions_m[i], 0, 0, track.points[i]};
     if (points.empty() || !same_place(points.back(), point)) {
-      flush();
       points.push_back(point);
       continue;
     }
     TrackPoint& kept = points.back().source;
     if (!kept.height_m) kept.height_m = point.source.height_m;
-    if (!first) first = &track.points[i];
-    last = &track.points[i];
+    run.add(track.points[i]);
   }
-  flush();
   return points;
+}
+
+// Drops the points of a recorded track at which it turns sharply within the receiver's own error.
+void drop_jitter(std::vector<CleanPoint>& points, const Track& track, Diagnostics& diagnostics) {
+  std::vector<CleanPoint> kept;
+  Run run(track.file, track.element,
+          "sharp turn within the error of GPS, where the receiver hardly moved: dropped", diagnostics);
+  for (const CleanPoint& point : points) {
+    kept.push_back(point);
+    while (kept.size() >= 3) {
+      const std::size_t n = kept.size();
+      const CleanPoint &before = kept[n - 3], &bend = kept[n - 2];
+      const bool near = std::min(distance_m(before, bend), distance_m(bend, point)) < kJitterLeg_m;
+      if (!near || turn_rad(before, bend, point) <= kJitterTurn_rad) break;
+      run.add(bend.source);
+      kept.erase(kept.end() - 2);
+      if (!same_place(kept.end()[-2], point)) continue;
+      run.add(point.source);
+      kept.pop_back();
+      break;
+    }
+  }
+  points = std::move(kept);
 }
 
 // Drops single points that the track visits only to come straight back, so that it goes on as before without
@@ -127,26 +171,13 @@ std::vector<CleanTrack> divided(const Track& track, std::vector<CleanPoint> poin
 }
 
 void set_widths(CleanTrack& track, const std::string& file, double default_m, Diagnostics& diagnostics) {
-  const TrackPoint* first = nullptr;
-  const TrackPoint* last = nullptr;
-  const auto flush = [&] {
-    if (!first) return;
-    report(diagnostics, Severity::kWarning, file, track.element, *first, *last,
-           "width is not between 0.5 and 200 m: the default is used");
-    first = nullptr;
-  };
+  Run run(file, track.element, "width is not between 0.5 and 200 m: the default is used", diagnostics);
   for (CleanPoint& point : track.points) {
     const std::optional<double>& width = point.source.width_m;
     const bool good = width && *width >= kLeastWidth_m && *width <= kGreatestWidth_m;
     point.width_m = good ? *width : default_m;
-    if (!width || good) {
-      flush();
-      continue;
-    }
-    if (!first) first = &point.source;
-    last = &point.source;
+    if (width && !good) run.add(point.source);
   }
-  flush();
 }
 
 // Why a height was taken away.
@@ -360,6 +391,7 @@ Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vecto
     if (!first.height_m) first.height_m = last;
     points.pop_back();
   }
+  if (track.recorded) drop_jitter(points, track, diagnostics);
   if (points.size() >= 3) drop_excursions(points, closed, track, diagnostics);
   if (points.size() < (closed ? 3u : 2u)) {
     return Error{ErrorCode::kData,

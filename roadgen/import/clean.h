@@ -22,6 +22,10 @@ enum class Closed {
 inline constexpr double kNearDuplicate_m = 0.01;
 // A track that turns by more than this at one point goes back on itself.
 inline constexpr double kReversal_rad = 2.9670597283903604;  // 170 degrees
+// A recorded track (Track::recorded) that turns by more than this at a point nearer to a neighbour than kJitterLeg_m,
+// which is twice the error of a GPS receiver, shows the receiver's jitter, as when it stands still, and no direction:
+// such a bend would have a radius of less than 3 m.
+inline constexpr double kJitterTurn_rad = 1.5707963267948966, kJitterLeg_m = 6;
 // Heights outside this range are void values (-32768, -9999, ...): no road is lower than the Dead Sea's shore
 // (-430 m) or higher than the Himalayan passes (5900 m), with room for mines and errors of the datum.
 inline constexpr double kLeastHeight_m = -1000, kGreatestHeight_m = 9000;
@@ -63,10 +67,10 @@ Status check_range(const Track& track);
 // most 1.5 times the median spacing, and 2 % of the length) without turning back there; at least four points.
 bool looks_closed(const std::vector<CleanPoint>& points);
 
-// Drops repetitions; decides whether the track is closed; drops points where it only runs out and back on itself, and
-// divides it where it turns back for good, since a road cannot turn on the spot; puts heights in place of void, zero,
-// spiked and missing ones, by distance between valid neighbours (the end's height beyond the last valid one; 0 where
-// there is none at all); puts the default in place of missing and nonsensical widths.
+// Drops repetitions; decides whether the track is closed; drops jitter of recorded tracks; drops points where it only
+// runs out and back on itself, and divides it where it turns back for good, since a road cannot turn on the spot; puts
+// heights in place of void, zero, spiked and missing ones, by distance between valid neighbours (the end's height
+// beyond the last valid one; 0 where there is none at all); puts the default in place of missing and nonsensical widths.
 // positions_m: of the track's points, on a plane, in metres. Requires: as many as points.
 // Errors: kData where fewer than two distinct points are left (three, where closed). Cost: O(n log n).
 Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vector<glm::dvec2>& positions_m,

@@ -142,6 +142,25 @@ TEST(Clean, ASlipOfOnePointIsDropped) {
   }
 }
 
+TEST(Clean, JitterIsDroppedFromRecordedTracksOnly) {
+  Made m = made();
+  for (int i = 0; i <= 20; ++i) {
+    m.add(10.0 * i, 0, 1.0);
+    if (i == 7) m.add(68, 2, 1.0).add(71, 1, 1.0).add(69, -1, 1.0);  // standing still
+  }
+  Diagnostics diagnostics;
+  EXPECT_EQ(cleaned(m, diagnostics)[0].points.size(), 24u);
+  m.track.recorded = true;
+  const auto tracks = cleaned(m, diagnostics);
+  for (std::size_t i = 1; i + 1 < tracks[0].points.size(); ++i) {
+    const glm::dvec2 a = tracks[0].points[i].position_m - tracks[0].points[i - 1].position_m;
+    const glm::dvec2 b = tracks[0].points[i + 1].position_m - tracks[0].points[i].position_m;
+    EXPECT_GE(glm::dot(a, b), 0);
+  }
+  EXPECT_GE(tracks[0].points.size(), 20u);
+  EXPECT_TRUE(mentions(diagnostics, "within the error of GPS"));
+}
+
 TEST(Clean, ZeroAndVoidHeightsAreInterpolatedOverDistance) {
   Made m = made();
   m.add(0, 0, 0.0)
