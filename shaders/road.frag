@@ -29,8 +29,9 @@ float half_width_m(float u, RoadSurface r) {
 #ifdef RELIEF
 // Keeps of the interval k the part where value + k slope >= 0.
 void clip_interval(inout vec2 k, float value, float slope) {
-  float crossing = -value / (abs(slope) < 1e-9 ? 1e-9 : slope);
-  if (slope > 0.0) {
+  float along = abs(slope) < 1e-9 ? (slope < 0.0 ? -1e-9 : 1e-9) : slope;
+  float crossing = -value / along;
+  if (along > 0.0) {
     k.x = max(k.x, crossing);
   } else {
     k.y = min(k.y, crossing);

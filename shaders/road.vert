@@ -1,7 +1,6 @@
 // One road segment per instance: its attributes advance once per instance (the paper's stream frequency divider), its
 // corners come from gl_VertexID. Without RELIEF: the fitted quad of the paper's Fig. 5, in a plane. With RELIEF: the
-// same quad extruded to the segment's range of heights, whose back faces the pixel shader starts from; with the eye
-// inside, the whole picture, since clipping a box around the eye may leave cracks between its faces.
+// same quad extruded to the segment's range of heights, whose back faces the pixel shader starts from.
 #include "lib/road.glsl"
 #include "frame.glsl"
 
@@ -63,15 +62,6 @@ void main() {
   box = vec4(in_box.xy + vec2(-margin, margin), in_box.zw + vec2(-0.02, 0.02));
   point = local;
   eye = vec3(-dot(start.xy, axis), start.x * axis.y - start.y * axis.x, -start.z);
-  float near = 1.0 + margin * chord;
-  if (eye.x + a * eye.y > -near && chord - eye.x - b * eye.y > -near && eye.y > in_box.x * chord - near &&
-      eye.y < in_box.y * chord + near && eye.z > in_box.z - near && eye.z < in_box.w + near) {
-    vec2 corner = vec2(min(gl_VertexID, 3) & 2, min(gl_VertexID, 3) * 2 & 2) - 1.0;
-    relative = frame_corner_ray(corner);
-    point = eye + vec3(dot(relative.xy, axis), relative.y * axis.x - relative.x * axis.y, relative.z);
-    gl_Position = vec4(corner, 0.5, 1.0);
-    return;
-  }
 #else
   float rise = road_cubic(in_arc.x, 0.0, in_height.x, in_height.y, in_height.z);
   vec3 local = vec3(x * chord, y * chord, rise * x);
