@@ -51,6 +51,8 @@ void declare(CLI::App& app, Options& o) {
                  "at height 0");
   app.add_option("--max-error", o.import.max_error_m,
                  "Greatest allowed distance of a point from the road, m. Default: 0.1, or 3 for GPX tracks");
+  app.add_option("--max-height-error", o.import.max_height_error_m,
+                 "Greatest allowed height of a point above or below the road, m. Default: 0.25, or 3 for GPX tracks");
   app.add_option("--tangents", o.tangents,
                  "fit: least squares; catmull-rom: through points, tangents from neighbours")
       ->check(CLI::IsMember({"fit", "catmull-rom"}))

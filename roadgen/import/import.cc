@@ -14,9 +14,10 @@ constexpr double kFarFromOrigin_m = 50e3;
 Status check_options(const std::vector<std::string>& paths, const ImportOptions& options) {
   const auto usage = [](const std::string& message) { return Error{ErrorCode::kUsage, message}; };
   if (paths.empty()) return usage("no file to import");
-  const double allowed_m = options.max_error_m.value_or(kMapError_m);
-  if (!(allowed_m >= kLeastMaxError_m && allowed_m <= kGreatestMaxError_m)) {
-    return usage("the greatest error must be between 0.001 and 100 m");
+  for (const double allowed_m : {options.max_error_m.value_or(kMapError_m), options.max_height_error_m.value_or(kMapError_m)}) {
+    if (!(allowed_m >= kLeastMaxError_m && allowed_m <= kGreatestMaxError_m)) {
+      return usage("the greatest error must be between 0.001 and 100 m");
+    }
   }
   if (!(options.width_m >= kLeastWidth_m && options.width_m <= kGreatestWidth_m)) {
     return usage("the width must be between 0.5 and 200 m");
@@ -123,6 +124,7 @@ Result<std::vector<Job>> clean_all(const std::vector<Track>& tracks, const Local
 Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, const ImportOptions& options) {
   FitOptions fit;
   fit.max_error_m = options.max_error_m.value_or(job.recorded ? kGpsError_m : kMapError_m);
+  fit.max_elevation_error_m = options.max_height_error_m.value_or(job.recorded ? kGpsError_m : kHeightError_m);
   fit.closed = job.track.closed;
   fit.tangents = options.tangents;
   fit.catmull_rom = options.catmull_rom;

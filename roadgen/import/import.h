@@ -22,6 +22,9 @@ struct ImportOptions {
   std::optional<double> max_error_m = {};
   TangentSource tangents = TangentSource::kFit;
   Tangents catmull_rom = Tangents::kUniform;
+  // Greatest allowed vertical distance of a point from the road, in the same range; heights that no road can follow are
+  // left out with a warning. Default: kHeightError_m, or kGpsError_m for recorded tracks.
+  std::optional<double> max_height_error_m = {};
   // Of the whole road, where the file has none; in [kLeastWidth_m, kGreatestWidth_m]. Default: 7
   double width_m = 7;
   Closed closed = Closed::kAuto;
@@ -30,6 +33,8 @@ inline constexpr double kLeastMaxError_m = 0.001, kGreatestMaxError_m = 100;
 // Public centre lines come rounded to 1e-6 degree: up to 0.056 m in each direction. A smaller error would fit the
 // rounding, with more segments and worse curvature.
 inline constexpr double kMapError_m = 0.1;
+// Heights of surveys and good elevation models; coarser ones come in steps of a metre, which the fit rounds off.
+inline constexpr double kHeightError_m = 0.25;
 // A GPS receiver is off by about 2 m rms, more beside walls and trees, and its track has kinks that no vehicle drove.
 inline constexpr double kGpsError_m = 3;
 
