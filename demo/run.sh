@@ -7,7 +7,7 @@ set -euo pipefail
 start=$PWD
 cd "$(dirname "$0")/.."
 .ci/setup.sh
-.ci/build.sh release
+.ci/build.sh release roadgen_cli
 
 die() { echo "demo: $*" >&2; exit 1; }
 roads=() dem=()

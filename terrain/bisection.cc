@@ -26,10 +26,10 @@ Bisection::Bisection(glm::ivec2 tiles, int k, Height height) : tiles_(tiles), k_
   };
   for (int y = 0; y < tiles.y; ++y) {
     for (int x = 0; x < tiles.x; ++x) {
-      triangles_.push_back({corner(x + 1, y), corner(x + 1, y + 1), corner(x, y), -1, root(x, y, 1),
-                            root(x + 1, y, 1), root(x, y - 1, 1), 0});
-      triangles_.push_back({corner(x, y + 1), corner(x, y), corner(x + 1, y + 1), -1, root(x, y, 0),
-                            root(x - 1, y, 0), root(x, y + 1, 0), 0});
+      triangles_.push_back({corner(x + 1, y), corner(x + 1, y + 1), corner(x, y), -1, root(x, y, 1), root(x + 1, y, 1),
+                            root(x, y - 1, 1), 0});
+      triangles_.push_back({corner(x, y + 1), corner(x, y), corner(x + 1, y + 1), -1, root(x, y, 0), root(x - 1, y, 0),
+                            root(x, y + 1, 0), 0});
     }
   }
   leaves_ = triangles_.size();
@@ -50,9 +50,12 @@ bool Bisection::refine(const Wanted& wanted, std::size_t most_triangles) {
 void Bisection::relink(std::int32_t neighbour, std::int32_t from, std::int32_t to) {
   if (neighbour < 0) return;
   Triangle& t = at(neighbour);
-  if (t.across_base == from) t.across_base = to;
-  else if (t.across_left == from) t.across_left = to;
-  else if (t.across_right == from) t.across_right = to;
+  if (t.across_base == from)
+    t.across_base = to;
+  else if (t.across_left == from)
+    t.across_left = to;
+  else if (t.across_right == from)
+    t.across_right = to;
 }
 
 void Bisection::split(std::int32_t i) {

@@ -20,10 +20,10 @@ class Bisection {
  public:
   // A triangle, counter-clockwise seen from above: apex, left, right; the hypotenuse runs from left to right.
   struct Triangle {
-    std::uint32_t apex = 0, left = 0, right = 0;  // vertices
-    std::int32_t child = -1;                      // of two, side by side; -1: a leaf
+    std::uint32_t apex = 0, left = 0, right = 0;                         // vertices
+    std::int32_t child = -1;                                             // of two, side by side; -1: a leaf
     std::int32_t across_base = -1, across_left = -1, across_right = -1;  // neighbours; -1: border
-    std::int32_t level = 0;                       // bisections from the tile; the legs halve every two
+    std::int32_t level = 0;  // bisections from the tile; the legs halve every two
   };
 
   using Height = std::function<double(glm::ivec2 lattice)>;

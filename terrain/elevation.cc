@@ -185,8 +185,8 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
   if (!std::filesystem::exists(path, ignored)) return at_file(path, ErrorCode::kIo, "no such elevation file");
   const Dataset dataset = open_any(path);
   if (!dataset || dataset->GetRasterCount() < 1) {
-    return at_file(path, ErrorCode::kParse, "not an elevation raster that can be read: " +
-                                                std::string(CPLGetLastErrorMsg()));
+    return at_file(path, ErrorCode::kParse,
+                   "not an elevation raster that can be read: " + std::string(CPLGetLastErrorMsg()));
   }
   auto impl = std::make_unique<Impl>();
   impl->path = path;
@@ -201,8 +201,9 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
     return at_file(path, ErrorCode::kData, "the raster is rotated or mirrored; warp it to north-up first");
   }
   if (grid.columns < 2 || grid.rows < 2 || std::int64_t{grid.columns} * grid.rows > kMostPosts) {
-    return at_file(path, ErrorCode::kData, "the raster has " + std::to_string(grid.columns) + " x " +
-                                               std::to_string(grid.rows) + " posts; 2 x 2 to 2^28 posts are handled");
+    return at_file(path, ErrorCode::kData,
+                   "the raster has " + std::to_string(grid.columns) + " x " + std::to_string(grid.rows) +
+                       " posts; 2 x 2 to 2^28 posts are handled");
   }
   // GDAL's geotransform is of pixel corners, heights are of pixel centres.
   grid.step_m = {t[1], -t[5]};
@@ -218,8 +219,8 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
   }
   impl->voids = fill_holes(grid, known);
   if (impl->voids > 0 && diagnostics != nullptr) {
-    diagnostics->push_back({Severity::kInfo, std::to_string(impl->voids) + " voids filled from their surroundings",
-                            path});
+    diagnostics->push_back(
+        {Severity::kInfo, std::to_string(impl->voids) + " voids filled from their surroundings", path});
   }
   return Elevation(std::move(impl));
 }
@@ -274,8 +275,8 @@ Status write_geotiff(const Grid& heights, const std::string& path) {
   CSLDestroy(options);
   if (!dataset) return fail("the file cannot be written");
   const glm::dvec2 step = heights.step_m;
-  double t[6] = {heights.origin_m.x - 0.5 * step.x, step.x, 0,
-                 heights.origin_m.y + (heights.rows - 0.5) * step.y, 0, -step.y};
+  double t[6] = {
+      heights.origin_m.x - 0.5 * step.x, step.x, 0, heights.origin_m.y + (heights.rows - 0.5) * step.y, 0, -step.y};
   OGRSpatialReference wgs84;
   wgs84.SetWellKnownGeogCS("WGS84");
   wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
@@ -285,8 +286,8 @@ Status write_geotiff(const Grid& heights, const std::string& path) {
   for (int row = 0; row < heights.rows && good; ++row) {
     const float* from = &heights.values[static_cast<std::size_t>(heights.rows - 1 - row) * heights.columns];
     auto* line = const_cast<float*>(from);  // GDAL only reads it
-    good = band->RasterIO(GF_Write, 0, row, heights.columns, 1, line, heights.columns, 1, GDT_Float32, 0, 0,
-                          nullptr) == CE_None;
+    good = band->RasterIO(GF_Write, 0, row, heights.columns, 1, line, heights.columns, 1, GDT_Float32, 0, 0, nullptr) ==
+           CE_None;
   }
   CPLErrorReset();
   dataset.reset();  // flushes; a full disk shows here

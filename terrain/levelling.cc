@@ -10,8 +10,8 @@
 namespace roadgen {
 namespace {
 
-constexpr double kSampleStep_m = 5;     // of the road samples that are blended
-constexpr double kRounding_m = 3;       // of the profile where it leaves the shoulder
+constexpr double kSampleStep_m = 5;       // of the road samples that are blended
+constexpr double kRounding_m = 3;         // of the profile where it leaves the shoulder
 constexpr double kBlendWidth_m = 1.5;     // from the nearest road's own height to the blended one
 constexpr double kNearestWeight_m = 0.5;  // nearer than this all samples weigh the same
 constexpr double kPerpendicular = 1e-7;   // of L: what counts as a perpendicular foot
@@ -39,8 +39,8 @@ double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, g
   const double local = arc_at(segment, foot.u), half_width = segment.half_width_m.value(local);
   z_m = segment.elevation_m.value(local);
   if (std::abs(along) <= kPerpendicular) return std::max(foot.distance_m - half_width, 0.0);
-  const bool end = !road.closed && ((foot.u <= 0 && at.segment == 0) ||
-                                    (foot.u >= 1 && at.segment + 1 == road.segments.size()));
+  const bool end =
+      !road.closed && ((foot.u <= 0 && at.segment == 0) || (foot.u >= 1 && at.segment + 1 == road.segments.size()));
   if (!end) return -1;
   const double scale = segment.chord_length_m() / std::sqrt(1 + df * df);
   // The grade goes on over the shoulder, else the last triangles under the road would bend.
@@ -145,8 +145,7 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
   double nearest_z = 0, lowest = 1e300;
   index_.visit_within(point_m, limit_m, [&](SegmentRef ref, const Segment& segment) {
     double z = 0;
-    const double edge =
-        passing_edge_m(index_.network().roads[ref.road], ref, segment, point_m, options_.shoulder_m, z);
+    const double edge = passing_edge_m(index_.network().roads[ref.road], ref, segment, point_m, options_.shoulder_m, z);
     if (edge < 0 || edge >= limit_m) return;
     if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
     if (edge < wish.edge_m) {
@@ -172,8 +171,8 @@ Levelling::Blend Levelling::blend(glm::dvec2 point_m) const {
     const std::size_t row = bucket(point_m, -1, dy), end = bucket(point_m, 1, dy);
     for (std::uint32_t i = first_[row]; i < first_[end + 1]; ++i) {
       const Sample& s = samples_[i];
-      const double d = std::max(glm::length(s.position_m - point_m) - s.half_width_m - options_.shoulder_m,
-                                kNearestWeight_m);
+      const double d =
+          std::max(glm::length(s.position_m - point_m) - s.half_width_m - options_.shoulder_m, kNearestWeight_m);
       if (d >= reach) continue;
       const double root = (reach - d) / (reach * d), w = root * root;
       if (weight == 0) reference = s.z_m;

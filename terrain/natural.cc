@@ -8,8 +8,8 @@
 
 #include <glm/common.hpp>
 
-#include "terrain/levelling.h"
 #include "roadgen/import/local_frame.h"
+#include "terrain/levelling.h"
 
 namespace roadgen {
 namespace {
@@ -109,10 +109,10 @@ Extent road_extent(const Network& network, const LocalFrame* frame) {
 
 std::string described(const Extent& e, bool geographic) {
   char text[200];
-  std::snprintf(text, sizeof text,
-                geographic ? "latitude %.5f to %.5f, longitude %.5f to %.5f degrees"
-                           : "y %.2f to %.2f, x %.2f to %.2f m",
-                e.low.y, e.high.y, e.low.x, e.high.x);
+  std::snprintf(
+      text, sizeof text,
+      geographic ? "latitude %.5f to %.5f, longitude %.5f to %.5f degrees" : "y %.2f to %.2f, x %.2f to %.2f m",
+      e.low.y, e.high.y, e.low.x, e.high.x);
   return text;
 }
 
@@ -132,8 +132,8 @@ Status check_coverage(const Elevation& elevation, const Network& network) {
   if (geographic) frame.emplace(*network.georeference);
   const Extent roads = road_extent(network, frame ? &*frame : nullptr);
   bool covered = true;
-  for (const glm::dvec2 corner : {roads.low, roads.high, glm::dvec2(roads.low.x, roads.high.y),
-                                  glm::dvec2(roads.high.x, roads.low.y)}) {
+  for (const glm::dvec2 corner :
+       {roads.low, roads.high, glm::dvec2(roads.low.x, roads.high.y), glm::dvec2(roads.high.x, roads.low.y)}) {
     covered = covered && elevation.covers(corner);
   }
   if (covered) return Done{};

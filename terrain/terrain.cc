@@ -9,15 +9,15 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "terrain/bisection.h"
 #include "roadgen/import/local_frame.h"
+#include "terrain/bisection.h"
 
 namespace roadgen {
 namespace {
 
 constexpr double kLateral_m = 1.0 / 64, kVertical_m = 1.0 / 1024;  // quanta of the mesh's coordinates
 constexpr double kTileSide_m = 1024;
-constexpr int kMostTiles = 48;          // each way; larger worlds get larger tiles
+constexpr int kMostTiles = 48;           // each way; larger worlds get larger tiles
 constexpr int kMostNaturalPosts = 2048;  // each way
 constexpr int kMostRetries = 6;
 constexpr double kRetryFactor = 1.6;
@@ -74,7 +74,7 @@ struct Terrain::Impl {
   TerrainOptions options;
   TerrainReport report;
   std::vector<TerrainMesh> tiles;
-  double unit_m = 1;         // of the lattice
+  double unit_m = 1;  // of the lattice
   glm::dvec2 origin_m{0, 0};
   int k = 9;
   glm::ivec2 tile_count{1, 1};
@@ -217,16 +217,16 @@ void Terrain::Impl::correct(const Network& network) {
 }
 
 void Terrain::Impl::measure(const Network& network, const Grid& natural) {
-  const Clearance c = measure_clearance(network, kClearanceStep_m,
-                                        [&](glm::dvec2 p) { return mesh->height_at(to_lattice(p)); });
+  const Clearance c =
+      measure_clearance(network, kClearanceStep_m, [&](glm::dvec2 p) { return mesh->height_at(to_lattice(p)); });
   report.clearance_min_m = c.min_m;
   report.clearance_max_m = c.max_m;
   report.clearance_samples = c.samples;
   for (const Road& road : network.roads) {
     for (const Segment& segment : road.segments) {
       for (const double u : {0.0, 0.5}) {
-        const double above = segment.elevation_m.value(arc_at(segment, u)) -
-                             sample_bicubic(natural, position_m(segment, u));
+        const double above =
+            segment.elevation_m.value(arc_at(segment, u)) - sample_bicubic(natural, position_m(segment, u));
         report.highest_fill_m = std::max(report.highest_fill_m, above);
         report.deepest_cut_m = std::max(report.deepest_cut_m, -above);
       }

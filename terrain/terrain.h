@@ -47,8 +47,8 @@ struct TerrainOptions {
 // z of 1/1024 m, so that neighbouring tiles meet without a gap.
 struct TerrainMesh {
   glm::dvec3 origin_m{0, 0, 0};
-  std::vector<glm::vec3> positions_m;  // relative to origin_m
-  std::vector<glm::vec3> normals;      // unit, of the levelled ground itself, not of the triangles
+  std::vector<glm::vec3> positions_m;    // relative to origin_m
+  std::vector<glm::vec3> normals;        // unit, of the levelled ground itself, not of the triangles
   std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise seen from above
 };
 
@@ -62,12 +62,12 @@ struct TerrainReport {
   double deepest_cut_m = 0, highest_fill_m = 0;  // of the carriageways against the natural ground, along the centre
   std::size_t voids_filled = 0;
   std::size_t triangles = 0, vertices = 0, tiles = 0;
-  double spacing_m = 0;              // of the mesh's posts under the carriageways, as used
-  double natural_spacing_m = 0;      // of the posts that the natural ground was sampled at: 0.6 of the elevation's own,
-                                     // more where the area is greater than 2048 of them
-  double tolerance_factor = 1;       // what max_triangles has raised the tolerances by
-  Rectangle area;                    // of the mesh
-  double seconds = 0;                // wall clock of the build
+  double spacing_m = 0;          // of the mesh's posts under the carriageways, as used
+  double natural_spacing_m = 0;  // of the posts that the natural ground was sampled at: 0.6 of the elevation's own,
+                                 // more where the area is greater than 2048 of them
+  double tolerance_factor = 1;   // what max_triangles has raised the tolerances by
+  Rectangle area;                // of the mesh
+  double seconds = 0;            // wall clock of the build
 };
 
 // The mesh is corrected where it comes nearer to the road than the first, as part of gap_m; what then holds everywhere,

@@ -118,7 +118,10 @@ roadgen_status roadgen_to_world(const roadgen_network* network, size_t count, co
       }
       const auto pose = roadgen::pose_at(network->network.roads[static_cast<size_t>(road[i])], s_m[i], t_m[i]);
       poses[i] = {{pose.position_m.x, pose.position_m.y, pose.position_m.z},
-                  pose.heading_rad, pose.pitch_rad, pose.roll_rad, pose.curvature_per_m};
+                  pose.heading_rad,
+                  pose.pitch_rad,
+                  pose.roll_rad,
+                  pose.curvature_per_m};
     }
     return ROADGEN_OK;
   });

@@ -26,8 +26,8 @@ extern "C" {
 
 typedef enum roadgen_status {
   ROADGEN_OK = 0,
-  ROADGEN_DATA_ERROR = 1,  /* a file or its content is at fault */
-  ROADGEN_USAGE_ERROR = 2, /* an argument is out of its range */
+  ROADGEN_DATA_ERROR = 1,   /* a file or its content is at fault */
+  ROADGEN_USAGE_ERROR = 2,  /* an argument is out of its range */
   ROADGEN_CONTEXT_ERROR = 3 /* no OpenGL context, or the GPU refused */
 } roadgen_status;
 

@@ -50,8 +50,7 @@ int run_check(const Arguments& arguments) {
   if (!network) return fail(kName, network.error());
   print_diagnostics(diagnostics, "");
   const CheckReport report = check(*network);
-  if (Status status = put_out(describe(report, *network), report_path); !status)
-    return fail(kName, status.error());
+  if (Status status = put_out(describe(report, *network), report_path); !status) return fail(kName, status.error());
   if (report.ok()) return kExitDone;
   const std::string more =
       report.problems.size() > 1 ? " (and " + std::to_string(report.problems.size() - 1) + " more)" : "";

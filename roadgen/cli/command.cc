@@ -30,8 +30,7 @@ std::optional<int> parse(CLI::App& app, Arguments arguments) {
     fmt::print("{}", app.help());
     return kExitDone;
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "{}: error: {}; see {} --help\n", app.get_name(), one_line(error.what()),
-               app.get_name());
+    fmt::print(stderr, "{}: error: {}; see {} --help\n", app.get_name(), one_line(error.what()), app.get_name());
     return kExitUsage;
   }
   return {};
@@ -43,14 +42,13 @@ int fail(const std::string& command, const Error& error) {
 }
 
 void print_diagnostics(const Diagnostics& diagnostics, const std::string& more) {
-  const std::size_t shown =
-      diagnostics.size() <= kMostDiagnostics ? diagnostics.size() : kMostDiagnostics - 2;
+  const std::size_t shown = diagnostics.size() <= kMostDiagnostics ? diagnostics.size() : kMostDiagnostics - 2;
   for (std::size_t i = 0; i < shown; ++i) fmt::print(stderr, "{}\n", one_line(diagnostics[i].text()));
   if (shown == diagnostics.size()) return;
   const auto warnings = std::count_if(diagnostics.begin(), diagnostics.end(),
                                       [](const Diagnostic& d) { return d.severity != Severity::kInfo; });
-  fmt::print(stderr, "... and {} more; {} findings in all, {} of them warnings{}\n",
-             diagnostics.size() - shown, diagnostics.size(), warnings, more);
+  fmt::print(stderr, "... and {} more; {} findings in all, {} of them warnings{}\n", diagnostics.size() - shown,
+             diagnostics.size(), warnings, more);
 }
 
 Status put_out(const std::string& text, const std::string& path) {

@@ -1,8 +1,8 @@
 // roadgen fly: along a road, as a video or single pictures, with a contact sheet.
-#include <cmath>
-#include <cstdio>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 
@@ -89,7 +89,7 @@ Result<const Road*> road_to_follow(const Network& network, const std::string& id
   if (!id.empty()) return named_road(network, id);
   if (network.roads.empty()) return Error{ErrorCode::kData, "the network has no road to fly along"};
   return &*std::max_element(network.roads.begin(), network.roads.end(),
-                           [](const Road& a, const Road& b) { return a.length_m() < b.length_m(); });
+                            [](const Road& a, const Road& b) { return a.length_m() < b.length_m(); });
 }
 
 // Whether the output can be written, before the work rather than after it.
@@ -139,7 +139,8 @@ Status fly(FlyOptions& options) {
     const auto frame = scene->renderer->render(camera, {.width = size->width, .height = size->height});
     if (!frame) return frame.error();
     if (Status s = sink->add(frame->color, i); !s) return s;
-    while (cell < kSheetColumns * kSheetRows && i >= (2 * cell + 1) * options.frames / (2 * kSheetColumns * kSheetRows)) {
+    while (cell < kSheetColumns * kSheetRows &&
+           i >= (2 * cell + 1) * options.frames / (2 * kSheetColumns * kSheetRows)) {
       place_on_sheet(sheet, frame->color, cell++, factor);
     }
     if (window) {
@@ -157,8 +158,11 @@ Status fly(FlyOptions& options) {
     if (Status s = write_png(options.contact_sheet, sheet); !s) return s;
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  nlohmann::json report = {{"road", (*road)->id}, {"length_m", (*road)->length_m()}, {"frames", options.frames},
-                           {"seconds", seconds}, {"renderer", scene->context->renderer()}};
+  nlohmann::json report = {{"road", (*road)->id},
+                           {"length_m", (*road)->length_m()},
+                           {"frames", options.frames},
+                           {"seconds", seconds},
+                           {"renderer", scene->context->renderer()}};
   if (!options.output.empty()) report["output"] = options.output;
   if (!options.contact_sheet.empty()) report["contact_sheet"] = options.contact_sheet;
   return put_out(report.dump(2) + "\n", "");

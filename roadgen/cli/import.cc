@@ -35,8 +35,7 @@ Result<Georeference> parse_origin(const std::string& text) {
       return Georeference{numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] : 0};
     }
   }
-  return Error{ErrorCode::kUsage,
-               "--origin " + text + ": expected LAT,LON or LAT,LON,H in degrees and metres"};
+  return Error{ErrorCode::kUsage, "--origin " + text + ": expected LAT,LON or LAT,LON,H in degrees and metres"};
 }
 
 void declare(CLI::App& app, Options& o) {
@@ -53,8 +52,7 @@ void declare(CLI::App& app, Options& o) {
                  "Greatest allowed distance of a point from the road, m. Default: 0.1, or 3 for GPX tracks");
   app.add_option("--max-height-error", o.import.max_height_error_m,
                  "Greatest allowed height of a point above or below the road, m. Default: 0.25, or 3 for GPX tracks");
-  app.add_option("--tangents", o.tangents,
-                 "fit: least squares; catmull-rom: through points, tangents from neighbours")
+  app.add_option("--tangents", o.tangents, "fit: least squares; catmull-rom: through points, tangents from neighbours")
       ->check(CLI::IsMember({"fit", "catmull-rom"}))
       ->capture_default_str();
   app.add_option("--width", o.import.width_m, "Width of the whole road where the file has none, m")
@@ -81,9 +79,7 @@ Status settle(Options& o) {
       return Error{ErrorCode::kUsage, "is a source and the output: name another output", o.output};
     }
   }
-  const auto plain = [](const std::string& path) {
-    return std::filesystem::absolute(path).lexically_normal();
-  };
+  const auto plain = [](const std::string& path) { return std::filesystem::absolute(path).lexically_normal(); };
   if (!o.report.empty() && plain(o.report) == plain(o.output)) {
     return Error{ErrorCode::kUsage, "is the output and the report: name two files", o.output};
   }
@@ -92,13 +88,13 @@ Status settle(Options& o) {
 }
 
 void print_certificates(const ImportResult& result) {
-  fmt::print(stderr, "{:>4} {:28} {:>6} {:>10} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}\n", "road", "name",
-             "closed", "length m", "points", "segm.", "max m", "rms m", "bound m", "height m");
+  fmt::print(stderr, "{:>4} {:28} {:>6} {:>10} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}\n", "road", "name", "closed",
+             "length m", "points", "segm.", "max m", "rms m", "bound m", "height m");
   for (std::size_t i = 0; i < result.certificates.size(); ++i) {
     const Certificate& c = result.certificates[i];
-    fmt::print(stderr, "{:>4} {:28.28} {:>6} {:>10.2f} {:>7} {:>7} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.3f}\n",
-               c.id, result.network.roads[i].name, c.closed ? "yes" : "no", c.length_m, c.samples, c.segments,
-               c.max_error_m, c.rms_error_m, c.bound_m, c.max_elevation_error_m);
+    fmt::print(stderr, "{:>4} {:28.28} {:>6} {:>10.2f} {:>7} {:>7} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.3f}\n", c.id,
+               result.network.roads[i].name, c.closed ? "yes" : "no", c.length_m, c.samples, c.segments, c.max_error_m,
+               c.rms_error_m, c.bound_m, c.max_elevation_error_m);
   }
 }
 
@@ -112,18 +108,16 @@ int run_import(const Arguments& arguments) {
   if (Status status = settle(o); !status) return fail(kName, status.error());
 
   ProgressLine progress;
-  const Result<ImportResult> result = import_files(
-      o.sources, o.import, [&](double part, const std::string& what) { progress.show(part, what); });
+  const Result<ImportResult> result =
+      import_files(o.sources, o.import, [&](double part, const std::string& what) { progress.show(part, what); });
   progress.clear();
   if (!result) return fail(kName, result.error());
 
   if (Status status = write_opendrive(result->network, o.output); !status) return fail(kName, status.error());
   if (!o.report.empty()) {
-    if (Status status = put_out(import_report(*result), o.report); !status)
-      return fail(kName, status.error());
+    if (Status status = put_out(import_report(*result), o.report); !status) return fail(kName, status.error());
   }
-  print_diagnostics(result->diagnostics,
-                    o.report.empty() ? "; --report FILE lists them" : ", in " + o.report);
+  print_diagnostics(result->diagnostics, o.report.empty() ? "; --report FILE lists them" : ", in " + o.report);
   print_certificates(*result);
   return kExitDone;
 }

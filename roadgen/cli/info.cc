@@ -30,17 +30,17 @@ Json describe(const Network& network) {
                     {"height_m", origin->height_m}};
   }
   // One driving lane on each side of every road.
-  return {{"name", network.name},
-          {"roads", network.roads.size()},
-          {"segments", network.segment_count()},
-          {"lanes", 2 * network.roads.size()},
-          {"junctions", 0},
-          {"length_m", length_m},
-          {"bounds",
-           {{"low_m", {box.low_m.x, box.low_m.y, box.low_m.z}},
-            {"high_m", {box.high_m.x, box.high_m.y, box.high_m.z}}}},
-          {"georeference", georeference},
-          {"road_list", roads}};
+  return {
+      {"name", network.name},
+      {"roads", network.roads.size()},
+      {"segments", network.segment_count()},
+      {"lanes", 2 * network.roads.size()},
+      {"junctions", 0},
+      {"length_m", length_m},
+      {"bounds",
+       {{"low_m", {box.low_m.x, box.low_m.y, box.low_m.z}}, {"high_m", {box.high_m.x, box.high_m.y, box.high_m.z}}}},
+      {"georeference", georeference},
+      {"road_list", roads}};
 }
 
 }  // namespace
@@ -55,8 +55,7 @@ int run_info(const Arguments& arguments) {
   const Result<Network> network = read_opendrive(path, &diagnostics);
   if (!network) return fail(kName, network.error());
   print_diagnostics(diagnostics, "");
-  if (Status status = put_out(describe(*network).dump(2) + "\n", ""); !status)
-    return fail(kName, status.error());
+  if (Status status = put_out(describe(*network).dump(2) + "\n", ""); !status) return fail(kName, status.error());
   return kExitDone;
 }
 

@@ -26,8 +26,7 @@ constexpr Command kCommands[] = {
 void print_help(std::FILE* to) {
   std::fputs("Usage: roadgen COMMAND ...\n\nCommands:\n", to);
   for (const Command& command : kCommands) std::fprintf(to, "  %-10s %s\n", command.name, command.summary);
-  std::fputs("\nroadgen COMMAND --help tells more. Exit code: 0 done, 1 error in the data, 2 wrong usage.\n",
-             to);
+  std::fputs("\nroadgen COMMAND --help tells more. Exit code: 0 done, 1 error in the data, 2 wrong usage.\n", to);
 }
 
 int usage_error(const char* what, const char* name) {

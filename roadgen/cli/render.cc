@@ -1,6 +1,6 @@
 // roadgen render: one camera, its channels as files.
-#include <cstdio>
 #include <algorithm>
+#include <cstdio>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -27,7 +27,7 @@ struct ChannelName {
   const char* name;
   Channel bit;
 };
-constexpr ChannelName kChannelNames[] = {{"color", kColor},   {"depth", kDepth}, {"label", kLabel},
+constexpr ChannelName kChannelNames[] = {{"color", kColor},       {"depth", kDepth},   {"label", kLabel},
                                          {"instance", kInstance}, {"normal", kNormal}, {"road", kRoad}};
 
 Result<unsigned> parse_channels(const std::vector<std::string>& names) {
@@ -117,7 +117,9 @@ Status render(const RenderOptions& options) {
 
   nlohmann::json report;
   report["camera"] = {{"position_m", {camera->position_m.x, camera->position_m.y, camera->position_m.z}},
-                      {"yaw_deg", camera->yaw_deg}, {"pitch_deg", camera->pitch_deg}, {"roll_deg", camera->roll_deg},
+                      {"yaw_deg", camera->yaw_deg},
+                      {"pitch_deg", camera->pitch_deg},
+                      {"roll_deg", camera->roll_deg},
                       {"fov_deg", camera->fov_deg}};
   report["size"] = {size->width, size->height};
   report["renderer"] = scene->context->renderer();
@@ -135,8 +137,10 @@ int run_render(const Arguments& arguments) {
   app.add_option("--follow", options.follow, "ROAD,S,T,H: on road ROAD at s, t, H metres above it, looking along it");
   app.add_option("--size", options.size, "WIDTHxHEIGHT in pixels. Default: 1280x720");
   app.add_option("--fov", options.fov_deg, "Vertical field of view in degrees, (0, 170]. Default: 50");
-  app.add_option("--channels", options.channels, "color,depth,label,instance,normal,road. Default: color")->delimiter(',');
-  app.add_option("-o,--output", options.prefix, "PREFIX of the files: PREFIX.color.png, PREFIX.depth.exr, ...")->required();
+  app.add_option("--channels", options.channels, "color,depth,label,instance,normal,road. Default: color")
+      ->delimiter(',');
+  app.add_option("-o,--output", options.prefix, "PREFIX of the files: PREFIX.color.png, PREFIX.depth.exr, ...")
+      ->required();
   if (const auto code = parse(app, arguments)) return *code;
   if (Status status = render(options); !status) return fail(kName, status.error());
   return kExitDone;

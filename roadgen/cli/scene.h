@@ -18,11 +18,11 @@ namespace roadgen::cli {
 
 struct SceneOptions {
   std::string network_path;
-  std::string dem_path;         // empty: ground from the roads' own heights
+  std::string dem_path;  // empty: ground from the roads' own heights
   std::string context = "osmesa";
   int egl_device = -1;
   int width = 1280, height = 720;
-  bool visible = false;         // of a window
+  bool visible = false;  // of a window
 };
 
 // Declares the options of SceneOptions that users give.
@@ -38,7 +38,9 @@ struct Scene {
 Result<Scene> open_scene(const SceneOptions& options, const Network& network);
 
 // "1280x720" to two positive integers. Errors: kUsage.
-struct PictureSize { int width, height; };
+struct PictureSize {
+  int width, height;
+};
 Result<PictureSize> parse_size(const std::string& text);
 
 // Numbers between commas, exactly `count` of them, finite. what names the option in the message. Errors: kUsage.

@@ -25,10 +25,36 @@ Result<VideoWriter> VideoWriter::open(const std::string& path, int width, int he
   writer.temporary_ = path + ".part" + std::to_string(getpid());
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   const std::string rate = std::to_string(frames_per_second);
-  const std::vector<std::string> arguments = {
-      "ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", size, "-r",
-      rate, "-i", "pipe:0", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast",
-      "-crf", "21", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", writer.temporary_};
+  const std::vector<std::string> arguments = {"ffmpeg",
+                                              "-hide_banner",
+                                              "-loglevel",
+                                              "error",
+                                              "-y",
+                                              "-f",
+                                              "rawvideo",
+                                              "-pix_fmt",
+                                              "rgba",
+                                              "-s",
+                                              size,
+                                              "-r",
+                                              rate,
+                                              "-i",
+                                              "pipe:0",
+                                              "-vf",
+                                              "crop=trunc(iw/2)*2:trunc(ih/2)*2",
+                                              "-c:v",
+                                              "libx264",
+                                              "-preset",
+                                              "veryfast",
+                                              "-crf",
+                                              "21",
+                                              "-pix_fmt",
+                                              "yuv420p",
+                                              "-movflags",
+                                              "+faststart",
+                                              "-f",
+                                              "mp4",
+                                              writer.temporary_};
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
@@ -44,8 +70,10 @@ Result<VideoWriter> VideoWriter::open(const std::string& path, int width, int he
   writer.pipe_ = ends[1];
   if (fault != 0) {
     writer.child_ = -1;
-    return Error{ErrorCode::kIo, std::string("cannot start ffmpeg (") + std::strerror(fault) +
-                                     "); install the package ffmpeg, or give a folder to get single pictures", path};
+    return Error{ErrorCode::kIo,
+                 std::string("cannot start ffmpeg (") + std::strerror(fault) +
+                     "); install the package ffmpeg, or give a folder to get single pictures",
+                 path};
   }
   // A write to an ffmpeg that died is to be an error, not the end of this process.
   std::signal(SIGPIPE, SIG_IGN);

@@ -30,9 +30,7 @@ fs::path resolved(const std::string& path) {
   return real.empty() ? fs::path(path) : real;
 }
 
-fs::path folder_of(const fs::path& file) {
-  return file.has_parent_path() ? file.parent_path() : fs::path(".");
-}
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 // A descriptor that closes itself, and a name that goes away unless it was kept.
 struct Temporary {
@@ -70,8 +68,7 @@ Status check_writable(const std::string& path) {
     return cannot_write(path, "no right to create files in " + folder.string());
   }
   if (::stat(file.c_str(), &found) == 0 && !S_ISREG(found.st_mode)) {
-    return cannot_write(path,
-                        S_ISDIR(found.st_mode) ? "it is a folder; name a file" : "it is not a regular file");
+    return cannot_write(path, S_ISDIR(found.st_mode) ? "it is a folder; name a file" : "it is not a regular file");
   }
   return Done{};
 }
@@ -89,8 +86,7 @@ Status write_file(const std::string& path, std::string_view bytes) {
     if (temporary.descriptor < 0 && (errno != EEXIST || attempt >= 100)) return cannot_write(path, errno);
   }
 
-  if (!write_all(temporary.descriptor, bytes) || ::fsync(temporary.descriptor) != 0)
-    return cannot_write(path, errno);
+  if (!write_all(temporary.descriptor, bytes) || ::fsync(temporary.descriptor) != 0) return cannot_write(path, errno);
   if (std::rename(temporary.name.c_str(), file.c_str()) != 0) return cannot_write(path, errno);
   temporary.kept = true;
   return Done{};

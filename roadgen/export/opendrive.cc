@@ -45,23 +45,13 @@ class Writer {
  private:
   void escape(char c) {
     switch (c) {
-      case '&':
-        text_ += "&amp;";
-        break;
-      case '<':
-        text_ += "&lt;";
-        break;
-      case '>':
-        text_ += "&gt;";
-        break;
-      case '"':
-        text_ += "&quot;";
-        break;
+      case '&': text_ += "&amp;"; break;
+      case '<': text_ += "&lt;"; break;
+      case '>': text_ += "&gt;"; break;
+      case '"': text_ += "&quot;"; break;
       case '\n':
       case '\r':
-      case '\t':
-        text_ += ' ';
-        break;
+      case '\t': text_ += ' '; break;
       default:
         if (static_cast<unsigned char>(c) >= 0x20) text_ += c;  // XML 1.0 has no other control characters
     }
@@ -77,10 +67,7 @@ void write_cubic(Writer& out, const Cubic& c) {
 void write_header(Writer& out, const Network& network) {
   out.raw("  <header revMajor=\"1\" revMinor=\"7\"").text("name", network.name).raw(" version=\"1.00\"");
   if (const Bounds b = bounds(network); !b.empty()) {
-    out.number("north", b.high_m.y)
-        .number("south", b.low_m.y)
-        .number("east", b.high_m.x)
-        .number("west", b.low_m.x);
+    out.number("north", b.high_m.y).number("south", b.low_m.y).number("east", b.high_m.x).number("west", b.low_m.x);
   }
   out.raw(" vendor=\"roadgen\"");
   if (!network.georeference) {
@@ -105,10 +92,7 @@ void write_geometry(Writer& out, const Segment& segment) {
   out.raw("      <geometry").number("s", segment.s_start_m);
   out.number("x", segment.start_m.x).number("y", segment.start_m.y).number("hdg", heading_rad(segment, 0));
   out.number("length", segment.arc_m).raw(">\n        <paramPoly3 aU=\"0\"");
-  out.number("bU", length * secant)
-      .number("cU", -s * (2 * a + b))
-      .number("dU", s * (a + b))
-      .raw(" aV=\"0\" bV=\"0\"");
+  out.number("bU", length * secant).number("cU", -s * (2 * a + b)).number("dU", s * (a + b)).raw(" aV=\"0\" bV=\"0\"");
   out.number("cV", -c * (2 * a + b)).number("dV", c * (a + b)).raw(" pRange=\"normalized\"/>\n");
   out.raw("        <userData code=\"roadgen:chord\" value=\"").digits(segment.end_m.x);
   out.raw(" ").digits(segment.end_m.y);
@@ -176,8 +160,8 @@ void write_road(Writer& out, const Road& road) {
 
 bool is_finite(const Segment& s) {
   const Cubic &z = s.elevation_m, &w = s.half_width_m;
-  return std::isfinite(s.start_m.x + s.start_m.y + s.end_m.x + s.end_m.y + s.slope_start + s.slope_end +
-                       s.s_start_m + s.arc_m + z.c0 + z.c1 + z.c2 + z.c3 + w.c0 + w.c1 + w.c2 + w.c3);
+  return std::isfinite(s.start_m.x + s.start_m.y + s.end_m.x + s.end_m.y + s.slope_start + s.slope_end + s.s_start_m +
+                       s.arc_m + z.c0 + z.c1 + z.c2 + z.c3 + w.c0 + w.c1 + w.c2 + w.c3);
 }
 
 Status check_roads(const Network& network) {

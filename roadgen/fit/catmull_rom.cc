@@ -34,15 +34,12 @@ bool is_usable(const Anchor& a) {
 }
 
 // The part of a cubic that starts at s_m, as a cubic of its own arc length.
-Cubic shifted(const Cubic& c, double s_m) {
-  return {c.value(s_m), c.slope(s_m), 0.5 * c.second(s_m), c.c3};
-}
+Cubic shifted(const Cubic& c, double s_m) { return {c.value(s_m), c.slope(s_m), 0.5 * c.second(s_m), c.c3}; }
 
 // Builds one road: the state that the steps of road_from_anchors share.
 class Alignment {
  public:
-  Alignment(const AlignmentOptions& options, Diagnostics* diagnostics)
-      : options_(options), diagnostics_(diagnostics) {}
+  Alignment(const AlignmentOptions& options, Diagnostics* diagnostics) : options_(options), diagnostics_(diagnostics) {}
 
   Result<Road> run(std::span<const Anchor> given);
 
@@ -104,7 +101,8 @@ Status Alignment::take_anchors(std::span<const Anchor> given) {
     const Anchor& a = given[i];
     if (!is_usable(a)) {
       return Error{ErrorCode::kData, text("anchor %zu has a coordinate, height, width or heading that is not a finite "
-                                          "number below %g; correct or remove it", i, kGreatestCoordinate_m)};
+                                          "number below %g; correct or remove it",
+                                          i, kGreatestCoordinate_m)};
     }
     if (!(a.half_width_m > 0)) {
       return Error{ErrorCode::kData,
@@ -170,7 +168,8 @@ Status Alignment::divide_part(std::size_t stretch, double t0, double t1, double 
   if (division.cusps.empty()) return Done{};
   return Error{ErrorCode::kGeometry,
                place(stretch) + text(" (s = %.3f m) the road stops or reverses on the spot; remove or move an anchor "
-                                     "there, or give other headings", s_m)};
+                                     "there, or give other headings",
+                                     s_m)};
 }
 
 Status Alignment::tight_error(const Piece& piece, double half_width_m) const {
@@ -178,9 +177,11 @@ Status Alignment::tight_error(const Piece& piece, double half_width_m) const {
                                  ? "make the road narrower there, move the anchors, or allow narrowing"
                                  : text("less than %g m would be left; remove or move an anchor", kLeastHalfWidth_m);
   return Error{ErrorCode::kGeometry,
-               place(piece.stretch) + text(" (s = %.3f m) the curve has a radius of %.3f m, too tight for a half width "
-                                           "of %.3f m: ", piece.segment.s_start_m, least_radius_m(piece.segment),
-                                           half_width_m) + advice};
+               place(piece.stretch) +
+                   text(" (s = %.3f m) the curve has a radius of %.3f m, too tight for a half width "
+                        "of %.3f m: ",
+                        piece.segment.s_start_m, least_radius_m(piece.segment), half_width_m) +
+                   advice};
 }
 
 // One past the last piece of the stretch that first_piece begins.
@@ -294,7 +295,8 @@ void Alignment::report_narrowing() const {
     }
     diagnostics_->push_back(
         {Severity::kWarning, text("narrowed from s = %.3f m to %.3f m: the curve has a radius of %.3f m, too tight for "
-                                  "a half width of %.3f m; %.3f m is left", start, s, radius, wanted, least)});
+                                  "a half width of %.3f m; %.3f m is left",
+                                  start, s, radius, wanted, least)});
   }
 }
 

@@ -17,11 +17,11 @@ namespace roadgen {
 
 // A point that the centre line passes through.
 struct Anchor {
-  glm::dvec2 position_m{0, 0};            // ENU
+  glm::dvec2 position_m{0, 0};  // ENU
   double elevation_m = 0;
-  double half_width_m = 3.5;              // > 0
-  std::optional<double> heading_rad = {}; // tangent given by the caller; else Catmull-Rom
-  std::optional<double> grade = {};       // dz/ds given by the caller; else Catmull-Rom over s
+  double half_width_m = 3.5;               // > 0
+  std::optional<double> heading_rad = {};  // tangent given by the caller; else Catmull-Rom
+  std::optional<double> grade = {};        // dz/ds given by the caller; else Catmull-Rom over s
 };
 
 // Coordinates, heights and widths are less than this, about 150 Earth radii; beyond it doubles lose micrometres.
@@ -40,9 +40,9 @@ inline constexpr double kLeastHalfWidth_m = 0.25;
 inline constexpr double kNarrowingTaper = 0.25;
 
 struct AlignmentOptions {
-  Tangents tangents = Tangents::kUniform;         // Default: as in the paper
-  bool closed = false;                            // the last anchor is joined to the first (do not repeat it)
-  double mapping_tolerance = kMappingTolerance;   // of the half width, in (0, 1). Default: 1e-4
+  Tangents tangents = Tangents::kUniform;        // Default: as in the paper
+  bool closed = false;                           // the last anchor is joined to the first (do not repeat it)
+  double mapping_tolerance = kMappingTolerance;  // of the half width, in (0, 1). Default: 1e-4
   TightPolicy tight = TightPolicy::kError;
   // An anchor closer than this to the one before is a repetition and dropped with a diagnostic. Default: 1 mm
   double least_distance_m = 1e-3;

@@ -139,8 +139,8 @@ void CurveFit::place_first_nodes() {
 }
 
 Division CurveFit::division(const Node& from, const Node& to) const {
-  const Stretch stretch = make_stretch(from.joint.position_m, to.joint.position_m, from.joint.heading_rad,
-                                       to.joint.heading_rad);
+  const Stretch stretch =
+      make_stretch(from.joint.position_m, to.joint.position_m, from.joint.heading_rad, to.joint.heading_rad);
   return divide(stretch, 0, 1, std::max(from.half_width_m, to.half_width_m), options_.mapping_tolerance);
 }
 

@@ -52,7 +52,7 @@ class CurveFit {
     std::vector<std::size_t> at;  // indices of the nodes that stay, in order
     bool whole = false;           // all nodes of a closed road
     bool front_stays = false, back_stays = false;
-    double bending = 0;           // of the segments between, before the removal
+    double bending = 0;  // of the segments between, before the removal
   };
 
   std::size_t count() const { return half_width_m_.size(); }
@@ -93,7 +93,7 @@ class CurveFit {
   std::vector<glm::dvec2> position_m_;  // of the samples; twice in a row where closed, so that ranges never wrap
   std::vector<double> weight_;          // likewise
   std::vector<double> half_width_m_;
-  std::vector<char> taken_;             // samples that have a node
+  std::vector<char> taken_;  // samples that have a node
   std::vector<Node> nodes_;
 };
 

@@ -33,8 +33,10 @@ Status check_samples(std::span<const Sample> samples, const FitOptions& options)
     const Sample& s = samples[i];
     for (const double x : {s.position_m.x, s.position_m.y, s.elevation_m, s.half_width_m}) {
       if (std::abs(x) <= kGreatestCoordinate_m) continue;
-      return Error{ErrorCode::kData, "sample " + std::to_string(i) + " has a coordinate, height or width that is not a "
-                                     "finite number below " + number(kGreatestCoordinate_m) + "; correct or remove it"};
+      return Error{ErrorCode::kData, "sample " + std::to_string(i) +
+                                         " has a coordinate, height or width that is not a "
+                                         "finite number below " +
+                                         number(kGreatestCoordinate_m) + "; correct or remove it"};
     }
     if (!(s.half_width_m > 0)) {
       return Error{ErrorCode::kData, "sample " + std::to_string(i) + " has a half width that is not positive"};
@@ -94,8 +96,8 @@ std::vector<std::size_t> samples_for_knots(std::span<const double> knots_m, std:
   std::vector<std::vector<std::size_t>> held(knots_m.size() + 1);
   std::vector<char> misses(knots_m.size() + 1, 0);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const auto interval = static_cast<std::size_t>(
-        std::upper_bound(knots_m.begin(), knots_m.end(), samples[i].s_m) - knots_m.begin());
+    const auto interval =
+        static_cast<std::size_t>(std::upper_bound(knots_m.begin(), knots_m.end(), samples[i].s_m) - knots_m.begin());
     held[interval].push_back(i);
     if (fit.error_m[i] > max_error_m) misses[interval] = 1;
   }
@@ -166,7 +168,7 @@ Result<FittedRoad> fit_road(std::span<const Sample> samples, const FitOptions& o
   const std::vector<Sample> kept = distinct(samples, options.closed, diagnostics);
   if (kept.size() < 2) {
     return Error{ErrorCode::kData, "a road needs at least two distinct samples; " + std::to_string(samples.size()) +
-                                   " given, " + std::to_string(kept.size()) + " distinct"};
+                                       " given, " + std::to_string(kept.size()) + " distinct"};
   }
   CurveFit curve(kept, options);
   curve.run();

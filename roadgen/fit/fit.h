@@ -19,9 +19,9 @@ struct Sample {
 enum class TangentSource { kFit, kCatmullRom };
 
 struct FitOptions {
-  double max_error_m = 0.1;   // greatest allowed horizontal distance of a sample from the curve. > 0. Default: 0.1
+  double max_error_m = 0.1;  // greatest allowed horizontal distance of a sample from the curve. > 0. Default: 0.1
   double max_elevation_error_m = 1.0;  // likewise vertical; measured heights are coarse. > 0. Default: 1
-  bool closed = false;        // the last sample is joined to the first (do not repeat it). Default: no
+  bool closed = false;                 // the last sample is joined to the first (do not repeat it). Default: no
   TangentSource tangents = TangentSource::kFit;  // kCatmullRom: anchors are thinned samples, tangents by Catmull-Rom
   Tangents catmull_rom = Tangents::kUniform;     // which, where tangents is kCatmullRom. Default: as in the paper
   TightPolicy tight = TightPolicy::kNarrow;      // Default: measured hairpins are narrowed with a warning

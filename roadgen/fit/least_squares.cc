@@ -89,14 +89,14 @@ class DistanceCost : public ceres::CostFunction {
       const ChordPoint p(samples_.position_m[k], start, end);
       const double scale = samples_.weight[k] * graph.length.a;
       if (!jacobians) {
-        residuals[k] =
-            scale * glsl::Library<double>::road_project(p.x, p.y, graph.slope_start.a, graph.slope_end.a).v;
+        residuals[k] = scale * glsl::Library<double>::road_project(p.x, p.y, graph.slope_start.a, graph.slope_end.a).v;
         if (!std::isfinite(residuals[k])) return false;
         continue;
       }
-      const RoadJet v = glsl::Library<RoadJet>::road_project(RoadJet(p.x, 0), RoadJet(p.y, 1),
-                                                             RoadJet(graph.slope_start.a, 2),
-                                                             RoadJet(graph.slope_end.a, 3)).v;
+      const RoadJet v =
+          glsl::Library<RoadJet>::road_project(RoadJet(p.x, 0), RoadJet(p.y, 1), RoadJet(graph.slope_start.a, 2),
+                                               RoadJet(graph.slope_end.a, 3))
+              .v;
       residuals[k] = scale * v.a;
       if (!std::isfinite(v.a)) return false;
       // The chain rule, from the arguments of the road function to the joints.
@@ -156,8 +156,7 @@ struct CurvatureCost {
   template <class T>
   bool operator()(const T* before, const T* joint, const T* after, T* residual) const {
     const ChordAngles<T> in(before, joint), out(joint, after);
-    *residual =
-        weight * ((4.0 * out.start + 2.0 * out.end) * in_m + (2.0 * in.start + 4.0 * in.end) * out_m);
+    *residual = weight * ((4.0 * out.start + 2.0 * out.end) * in_m + (2.0 * in.start + 4.0 * in.end) * out_m);
     return isfinite(*residual);
   }
 };

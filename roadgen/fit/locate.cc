@@ -18,9 +18,7 @@ struct Box {
   glm::dvec2 low{kInfinity}, high{-kInfinity};
 
   void add(glm::dvec2 p) { low = glm::min(low, p), high = glm::max(high, p); }
-  double distance_m(glm::dvec2 p) const {
-    return glm::length(glm::max(glm::max(low - p, p - high), glm::dvec2(0)));
-  }
+  double distance_m(glm::dvec2 p) const { return glm::length(glm::max(glm::max(low - p, p - high), glm::dvec2(0))); }
 };
 
 // A binary tree of boxes over the segments, halved at the median of the longer side: node i has the children 2 i and
@@ -80,8 +78,10 @@ class SegmentTree {
     for (const bool second : {false, true}) {
       const bool to_left = second != (left <= right);
       if (!((to_left ? left : right) < best.nearest.distance_m)) continue;
-      if (to_left) improve(best, point_m, 2 * node, begin, middle);
-      else improve(best, point_m, 2 * node + 1, middle, end);
+      if (to_left)
+        improve(best, point_m, 2 * node, begin, middle);
+      else
+        improve(best, point_m, 2 * node + 1, middle, end);
     }
   }
 

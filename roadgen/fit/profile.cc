@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <glm/mat2x2.hpp>
-#include <glm/vec2.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
 
 #include "roadgen/road/segment.h"
 
@@ -134,8 +134,8 @@ class Profile {
     }
     for (const HeightSample& sample : samples) {
       const Place p = place(sample.s_m);
-      const Cubic c = Cubic::hermite(fit.z_m[p.knot], fit.grade[p.knot], fit.z_m[p.next], fit.grade[p.next],
-                                     p.length_m);
+      const Cubic c =
+          Cubic::hermite(fit.z_m[p.knot], fit.grade[p.knot], fit.z_m[p.next], fit.grade[p.next], p.length_m);
       fit.error_m.push_back(std::abs(c.value(p.x * p.length_m) - sample.z_m));
       fit.max_error_m = std::max(fit.max_error_m, fit.error_m.back());
     }

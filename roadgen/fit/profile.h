@@ -22,8 +22,8 @@ inline constexpr int kStepCost = 20;            // so that a true step, a bridge
 inline constexpr std::size_t kStepReach = 100;  // samples that a run of wrong heights may have
 
 struct ProfileFit {
-  std::vector<double> z_m, grade;   // at every knot
-  std::vector<double> error_m;      // distance of every sample
+  std::vector<double> z_m, grade;  // at every knot
+  std::vector<double> error_m;     // distance of every sample
   double max_error_m = 0;
 };
 

@@ -110,8 +110,7 @@ glm::dvec2 Stretch::derivative_m(double t) const {
 
 double Stretch::curvature_per_m(double t) const {
   const glm::dvec2 d = derivative_m(t);
-  const glm::dvec2 dd =
-      (end_m - start_m) * (6 - 12 * t) + tangent_start_m * (6 * t - 4) + tangent_end_m * (6 * t - 2);
+  const glm::dvec2 dd = (end_m - start_m) * (6 - 12 * t) + tangent_start_m * (6 * t - 4) + tangent_end_m * (6 * t - 2);
   const double speed2 = glm::dot(d, d);
   if (speed2 == 0) return std::numeric_limits<double>::infinity();
   return cross(d, dd) / (speed2 * std::sqrt(speed2));

@@ -31,8 +31,8 @@ Stretch make_stretch(glm::dvec2 start_m, glm::dvec2 end_m, double heading_start_
 
 // A part t0 <= t <= t1 of a stretch as one segment, which has the stretch's points and tangent directions at its ends.
 struct Piece {
-  Segment segment;           // geometry and arc; profiles are set by the caller
-  std::size_t stretch = 0;   // the caller's index of the stretch
+  Segment segment;          // geometry and arc; profiles are set by the caller
+  std::size_t stretch = 0;  // the caller's index of the stretch
   double t0 = 0, t1 = 1;
   // Where the curve is tighter than the half width asked for: the greatest half width that is still admissible, or 0
   // where even kLeastHalfWidth_m is not.

@@ -22,10 +22,7 @@ void report(Diagnostics& diagnostics, Severity severity, const std::string& file
 class Run {
  public:
   Run(std::string file, std::string element, std::string message, Diagnostics& diagnostics)
-      : file_(std::move(file)),
-        element_(std::move(element)),
-        message_(std::move(message)),
-        diagnostics_(diagnostics) {}
+      : file_(std::move(file)), element_(std::move(element)), message_(std::move(message)), diagnostics_(diagnostics) {}
   ~Run() { flush(); }
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
@@ -62,9 +59,7 @@ bool same_place(const CleanPoint& a, const CleanPoint& b) {
   return glm::length(a.position_m - b.position_m) <= kNearDuplicate_m;
 }
 
-double distance_m(const CleanPoint& a, const CleanPoint& b) {
-  return glm::length(a.position_m - b.position_m);
-}
+double distance_m(const CleanPoint& a, const CleanPoint& b) { return glm::length(a.position_m - b.position_m); }
 
 std::vector<CleanPoint> without_repetitions(const Track& track, const std::vector<glm::dvec2>& positions_m,
                                             Diagnostics& diagnostics) {
@@ -86,8 +81,8 @@ std::vector<CleanPoint> without_repetitions(const Track& track, const std::vecto
 // Drops the points of a recorded track at which it turns sharply within the receiver's own error.
 void drop_jitter(std::vector<CleanPoint>& points, const Track& track, Diagnostics& diagnostics) {
   std::vector<CleanPoint> kept;
-  Run run(track.file, track.element,
-          "sharp turn within the error of GPS, where the receiver hardly moved: dropped", diagnostics);
+  Run run(track.file, track.element, "sharp turn within the error of GPS, where the receiver hardly moved: dropped",
+          diagnostics);
   for (const CleanPoint& point : points) {
     kept.push_back(point);
     while (kept.size() >= 3) {
@@ -108,8 +103,7 @@ void drop_jitter(std::vector<CleanPoint>& points, const Track& track, Diagnostic
 
 // Drops single points that the track visits only to come straight back, so that it goes on as before without
 // them.
-void drop_excursions(std::vector<CleanPoint>& points, bool closed, const Track& track,
-                     Diagnostics& diagnostics) {
+void drop_excursions(std::vector<CleanPoint>& points, bool closed, const Track& track, Diagnostics& diagnostics) {
   std::vector<CleanPoint> kept;
   for (std::size_t i = 0; i < points.size(); ++i) {
     kept.push_back(points[i]);
@@ -149,8 +143,7 @@ std::vector<CleanTrack> divided(const Track& track, std::vector<CleanPoint> poin
   }
   if (reversals.empty()) return {{track.name, track.element, closed, std::move(points)}};
   if (closed) {
-    std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(reversals.front()),
-                points.end());
+    std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(reversals.front()), points.end());
     points.push_back(points.front());
     const std::size_t origin = reversals.front();
     for (std::size_t& i : reversals) i -= origin;
@@ -185,16 +178,11 @@ enum class Fault { kNone, kMissing, kVoid, kZero, kSpike };
 
 const char* fault_text(Fault fault) {
   switch (fault) {
-    case Fault::kMissing:
-      return "no height: interpolated";
-    case Fault::kVoid:
-      return "height is a void value: interpolated";
-    case Fault::kZero:
-      return "height drops to zero: interpolated";
-    case Fault::kSpike:
-      return "height is a spike steeper than 100 % on both sides: interpolated";
-    case Fault::kNone:
-      break;
+    case Fault::kMissing: return "no height: interpolated";
+    case Fault::kVoid: return "height is a void value: interpolated";
+    case Fault::kZero: return "height drops to zero: interpolated";
+    case Fault::kSpike: return "height is a spike steeper than 100 % on both sides: interpolated";
+    case Fault::kNone: break;
   }
   return "";
 }
@@ -202,8 +190,7 @@ const char* fault_text(Fault fault) {
 // The heights of one track on their way to repair; neighbours wrap around where the track is closed.
 class Heights {
  public:
-  explicit Heights(const CleanTrack& track)
-      : track_(track), n_(track.points.size()), fault_(n_, Fault::kNone) {
+  explicit Heights(const CleanTrack& track) : track_(track), n_(track.points.size()), fault_(n_, Fault::kNone) {
     station_m_.push_back(0);
     for (std::size_t i = 0; i < n_; ++i) {
       station_m_.push_back(station_m_.back() + distance_m(track.points[i], track.points[(i + 1) % n_]));
@@ -279,8 +266,7 @@ class Heights {
     if (!before.found || !after.found) return false;
     const double rise = value_[i] - before.height_m, fall = value_[i] - after.height_m;
     return rise * fall > 0 && std::abs(rise) > kSpikeGrade * before.distance_m &&
-           std::abs(fall) > kSpikeGrade * after.distance_m &&
-           std::min(std::abs(rise), std::abs(fall)) > kLeastSpike_m;
+           std::abs(fall) > kSpikeGrade * after.distance_m && std::min(std::abs(rise), std::abs(fall)) > kLeastSpike_m;
   }
 
   // For every point the nearest others that are wanted, before and after it. Two laps around a closed track.
@@ -294,8 +280,7 @@ class Heights {
       for (int lap = 0; lap < laps; ++lap) {
         for (std::size_t k = 0; k < n_; ++k) {
           const std::size_t i = forward ? k : n_ - 1 - k;
-          const double along_m =
-              (forward ? station_m_[i] : station_m_[n_] - station_m_[i]) + lap * station_m_[n_];
+          const double along_m = (forward ? station_m_[i] : station_m_[n_] - station_m_[i]) + lap * station_m_[n_];
           if (last < n_ && last != i) result[i] = {true, value_[last], along_m - last_m};
           if (wanted(i)) last = i, last_m = along_m;
         }
@@ -346,9 +331,8 @@ Status check_range(const Track& track) {
     };
     if (std::abs(point.y) > 90) {
       const bool swapped = std::abs(point.x) <= 90 && std::abs(point.y) <= 180;
-      return error(
-          "latitude " + std::to_string(point.y) + " is beyond 90 degrees" +
-          (swapped ? ": latitude and longitude look swapped" : ": the file is not in degrees, or damaged"));
+      return error("latitude " + std::to_string(point.y) + " is beyond 90 degrees" +
+                   (swapped ? ": latitude and longitude look swapped" : ": the file is not in degrees, or damaged"));
     }
     if (std::abs(point.x) > 180) {
       return error("longitude " + std::to_string(point.x) +
@@ -383,8 +367,7 @@ Result<std::vector<CleanTrack>> clean_track(const Track& track, const std::vecto
                                             const CleanOptions& options, Diagnostics& diagnostics) {
   assert(positions_m.size() == track.points.size());
   std::vector<CleanPoint> points = without_repetitions(track, positions_m, diagnostics);
-  const bool closed =
-      options.closed == Closed::kYes || (options.closed == Closed::kAuto && looks_closed(points));
+  const bool closed = options.closed == Closed::kYes || (options.closed == Closed::kAuto && looks_closed(points));
   if (closed && points.size() > 1 && same_place(points.front(), points.back())) {
     TrackPoint& first = points.front().source;
     const std::optional<double>& last = points.back().source.height_m;

@@ -40,8 +40,7 @@ inline constexpr double kLeastWidth_m = 0.5, kGreatestWidth_m = 200;
 
 struct CleanOptions {
   Closed closed = Closed::kAuto;
-  double width_m =
-      7;  // of the whole road, where the file has none; in [kLeastWidth_m, kGreatestWidth_m]. Default: 7
+  double width_m = 7;  // of the whole road, where the file has none; in [kLeastWidth_m, kGreatestWidth_m]. Default: 7
 };
 
 struct CleanPoint {

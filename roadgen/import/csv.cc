@@ -60,8 +60,7 @@ std::vector<std::string_view> split(std::string_view row, char separator) {
   while (true) {
     const std::size_t end = row.find(separator);
     std::string_view cell = trimmed(row.substr(0, end));
-    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
-      cell = trimmed(cell.substr(1, cell.size() - 2));
+    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = trimmed(cell.substr(1, cell.size() - 2));
     cells.push_back(cell);
     if (end == std::string_view::npos) return cells;
     row.remove_prefix(end + 1);
@@ -77,13 +76,11 @@ char separator_of(std::string_view row) {
 
 std::string lowered(std::string_view text) {
   std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  std::transform(result.begin(), result.end(), result.begin(), [](unsigned char c) { return std::tolower(c); });
   return result;
 }
 
-Result<Header> parse_header(std::string_view row, const std::string& file, int line,
-                            Diagnostics& diagnostics) {
+Result<Header> parse_header(std::string_view row, const std::string& file, int line, Diagnostics& diagnostics) {
   const auto bad = [&](const std::string& message) { return Error{ErrorCode::kParse, message, file, line}; };
   if (row.starts_with('#')) row.remove_prefix(1);
   Header header;
@@ -105,8 +102,7 @@ Result<Header> parse_header(std::string_view row, const std::string& file, int l
       return bad("the header names the column '" + std::string(names[i]) + "' or its like twice");
     header.at[known->second] = static_cast<int>(i);
   }
-  if (all_numbers)
-    return bad("there is no header line; begin the file with 'lat,lon' or 'x,y' [,height][,width]");
+  if (all_numbers) return bad("there is no header line; begin the file with 'lat,lon' or 'x,y' [,height][,width]");
 
   const auto has = [&](Column column) { return header.at[column] >= 0; };
   header.geodetic = has(kLatitude) || has(kLongitude);
@@ -147,18 +143,15 @@ class LeftOut {
 };
 
 // An empty cell is NaN here, and nowhere else.
-Result<double> cell_number(const std::vector<std::string_view>& cells, int at, const std::string& file,
-                           int line) {
+Result<double> cell_number(const std::vector<std::string_view>& cells, int at, const std::string& file, int line) {
   if (at < 0 || cells[at].empty()) return std::nan("");
   const std::optional<double> value = parse_number(cells[at]);
   if (!value)
-    return Error{ErrorCode::kParse, "'" + std::string(cells[at].substr(0, 40)) + "' is not a number", file,
-                 line};
+    return Error{ErrorCode::kParse, "'" + std::string(cells[at].substr(0, 40)) + "' is not a number", file, line};
   return *value;
 }
 
-Result<TrackPoint> parse_point(std::string_view row, const Header& header, const std::string& file,
-                               int line) {
+Result<TrackPoint> parse_point(std::string_view row, const Header& header, const std::string& file, int line) {
   const std::vector<std::string_view> cells = split(row, header.separator);
   if (cells.size() != header.cells) {
     return Error{ErrorCode::kParse,
@@ -182,8 +175,7 @@ Result<TrackPoint> parse_point(std::string_view row, const Header& header, const
 
 }  // namespace
 
-Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& file,
-                                     Diagnostics& diagnostics) {
+Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   if (Status status = check_utf8(text, file); !status) return status.error();
 

@@ -34,8 +34,7 @@ class Reader {
   }
   Result<double> number(pugi::xml_node node, const char* value, const std::string& what) const;
   Result<TrackPoint> read_point(pugi::xml_node node) const;
-  Status read_line(pugi::xml_node line, const char* point_name, const std::string& element,
-                   const std::string& name);
+  Status read_line(pugi::xml_node line, const char* point_name, const std::string& element, const std::string& name);
   Status read_track(pugi::xml_node node, int number);
 
   std::string_view text_;
@@ -53,8 +52,7 @@ Result<double> Reader::number(pugi::xml_node node, const char* value, const std:
 
 Result<TrackPoint> Reader::read_point(pugi::xml_node node) const {
   for (const char* name : {"lat", "lon"}) {
-    if (!node.attribute(name))
-      return error(node, std::string("<") + node.name() + "> lacks the attribute " + name);
+    if (!node.attribute(name)) return error(node, std::string("<") + node.name() + "> lacks the attribute " + name);
   }
   const Result<double> latitude = number(node, node.attribute("lat").value(), "latitude");
   if (!latitude) return latitude.error();
@@ -86,10 +84,10 @@ Status Reader::read_line(pugi::xml_node line, const char* point_name, const std:
     track.points.push_back(*point);
   }
   if (bad > 0) {
-    diagnostics_.push_back({Severity::kWarning,
-                            "position not finite: " + std::to_string(bad) +
-                                (bad == 1 ? " point" : " points, first here,") + " left out",
-                            file_, first_bad, element});
+    diagnostics_.push_back(
+        {Severity::kWarning,
+         "position not finite: " + std::to_string(bad) + (bad == 1 ? " point" : " points, first here,") + " left out",
+         file_, first_bad, element});
   }
   if (!track.points.empty()) tracks_.push_back(std::move(track));
   return Done{};
@@ -115,8 +113,7 @@ Result<std::vector<Track>> Reader::read() {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_buffer(text_.data(), text_.size());
   if (!parsed) {
-    return Error{ErrorCode::kParse,
-                 std::string("is not well-formed XML (truncated?): ") + parsed.description(), file_,
+    return Error{ErrorCode::kParse, std::string("is not well-formed XML (truncated?): ") + parsed.description(), file_,
                  lines_.line(parsed.offset)};
   }
   const pugi::xml_node root = child(document, "gpx");
@@ -127,8 +124,7 @@ Result<std::vector<Track>> Reader::read() {
     Status status = Done{};
     if (is(node, "trk")) status = read_track(node, ++tracks);
     if (is(node, "rte")) {
-      status =
-          read_line(node, "rtept", "route " + std::to_string(++routes), child(node, "name").text().get());
+      status = read_line(node, "rtept", "route " + std::to_string(++routes), child(node, "name").text().get());
     }
     if (!status) return status.error();
   }
@@ -138,8 +134,7 @@ Result<std::vector<Track>> Reader::read() {
 
 }  // namespace
 
-Result<std::vector<Track>> parse_gpx(std::string_view text, const std::string& file,
-                                     Diagnostics& diagnostics) {
+Result<std::vector<Track>> parse_gpx(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
   return Reader(text, file, diagnostics).read();
 }
 

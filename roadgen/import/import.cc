@@ -14,7 +14,8 @@ constexpr double kFarFromOrigin_m = 50e3;
 Status check_options(const std::vector<std::string>& paths, const ImportOptions& options) {
   const auto usage = [](const std::string& message) { return Error{ErrorCode::kUsage, message}; };
   if (paths.empty()) return usage("no file to import");
-  for (const double allowed_m : {options.max_error_m.value_or(kMapError_m), options.max_height_error_m.value_or(kMapError_m)}) {
+  for (const double allowed_m :
+       {options.max_error_m.value_or(kMapError_m), options.max_height_error_m.value_or(kMapError_m)}) {
     if (!(allowed_m >= kLeastMaxError_m && allowed_m <= kGreatestMaxError_m)) {
       return usage("the greatest error must be between 0.001 and 100 m");
     }
@@ -24,8 +25,7 @@ Status check_options(const std::vector<std::string>& paths, const ImportOptions&
   }
   if (options.origin) {
     const Georeference& o = *options.origin;
-    if (!(std::abs(o.latitude_deg) <= 90) || !(std::abs(o.longitude_deg) <= 180) ||
-        !std::isfinite(o.height_m)) {
+    if (!(std::abs(o.latitude_deg) <= 90) || !(std::abs(o.longitude_deg) <= 180) || !std::isfinite(o.height_m)) {
       return usage("the origin must be a latitude within 90 and a longitude within 180 degrees");
     }
   }
@@ -36,8 +36,7 @@ Result<std::vector<Track>> read_all(const std::vector<std::string>& paths, const
                                     Diagnostics& diagnostics) {
   std::vector<Track> tracks;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    if (progress)
-      progress(0.1 * static_cast<double>(i) / static_cast<double>(paths.size()), "reading " + paths[i]);
+    if (progress) progress(0.1 * static_cast<double>(i) / static_cast<double>(paths.size()), "reading " + paths[i]);
     Result<std::vector<Track>> read = read_tracks(paths[i], diagnostics);
     if (!read) return read.error();
     for (Track& track : *read) {
@@ -83,13 +82,12 @@ std::vector<glm::dvec2> flat_positions(const Track& track, const LocalFrame* fra
   return positions;
 }
 
-std::vector<Sample> samples_of(const CleanTrack& track, const LocalFrame* frame,
-                               double& greatest_distance_m) {
+std::vector<Sample> samples_of(const CleanTrack& track, const LocalFrame* frame, double& greatest_distance_m) {
   std::vector<Sample> samples;
   samples.reserve(track.points.size());
   for (const CleanPoint& p : track.points) {
-    const glm::dvec3 local = frame ? frame->to_local_m({p.source.y, p.source.x, p.height_m})
-                                   : glm::dvec3(p.position_m, p.height_m);
+    const glm::dvec3 local =
+        frame ? frame->to_local_m({p.source.y, p.source.x, p.height_m}) : glm::dvec3(p.position_m, p.height_m);
     samples.push_back({glm::dvec2(local), local.z, p.width_m / 2});
     if (frame) greatest_distance_m = std::max(greatest_distance_m, glm::length(glm::dvec2(local)));
   }
@@ -140,8 +138,7 @@ Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, c
     Error error = fitted.error();
     if (error.file.empty()) error.file = job.file;
     if (error.code == ErrorCode::kGeometry) error.message += "; or allow a greater error or a smaller width";
-    error.element =
-        job.track.element + (job.track.element.empty() || error.element.empty() ? "" : " ") + error.element;
+    error.element = job.track.element + (job.track.element.empty() || error.element.empty() ? "" : " ") + error.element;
     return error;
   }
   fitted->road.id = fitted->certificate.id = std::to_string(result.network.roads.size() + 1);
@@ -186,8 +183,7 @@ Result<ImportResult> import_files(const std::vector<std::string>& paths, const I
     result.diagnostics.push_back({Severity::kWarning,
                                   "points lie up to " + std::to_string(km) +
                                       " km from the origin, where level lengths appear shortened by " +
-                                      std::to_string(length_distortion(result.greatest_distance_m)) +
-                                      " of themselves",
+                                      std::to_string(length_distortion(result.greatest_distance_m)) + " of themselves",
                                   paths.front()});
   }
   if (progress) progress(1, "done");

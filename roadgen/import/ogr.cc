@@ -76,19 +76,16 @@ std::string property(const OGRFeature& feature, const char* name) {
   return field >= 0 && feature.IsFieldSetAndNotNull(field) ? feature.GetFieldAsString(field) : "";
 }
 
-Status Reader::read_line(const OGRLineString& line, const Track& like,
-                         OGRCoordinateTransformation* to_wgs84) {
+Status Reader::read_line(const OGRLineString& line, const Track& like, OGRCoordinateTransformation* to_wgs84) {
   Track track = like;
   const bool has_height = line.Is3D();
   int left_out = 0;
   for (int i = 0; i < line.getNumPoints(); ++i) {
     TrackPoint point{line.getX(i), line.getY(i)};
     if (has_height && std::isfinite(line.getZ(i))) point.height_m = line.getZ(i);
-    if (std::isfinite(point.x) && std::isfinite(point.y) && to_wgs84 &&
-        !to_wgs84->Transform(1, &point.x, &point.y)) {
-      return Error{ErrorCode::kData,
-                   "point " + std::to_string(i + 1) + " cannot be changed to latitude and longitude", path_,
-                   0, track.element};
+    if (std::isfinite(point.x) && std::isfinite(point.y) && to_wgs84 && !to_wgs84->Transform(1, &point.x, &point.y)) {
+      return Error{ErrorCode::kData, "point " + std::to_string(i + 1) + " cannot be changed to latitude and longitude",
+                   path_, 0, track.element};
     }
     point.index = i + 1;
     if (std::isfinite(point.x) && std::isfinite(point.y))
@@ -97,9 +94,8 @@ Status Reader::read_line(const OGRLineString& line, const Track& like,
       ++left_out;
   }
   if (left_out > 0) {
-    diagnostics_.push_back({Severity::kWarning,
-                            "position not finite: " + std::to_string(left_out) + " points left out", path_, 0,
-                            track.element});
+    diagnostics_.push_back({Severity::kWarning, "position not finite: " + std::to_string(left_out) + " points left out",
+                            path_, 0, track.element});
   }
   tracks_.push_back(std::move(track));
   return Done{};
@@ -138,17 +134,15 @@ Status Reader::read_layer(OGRLayer& layer) {
   Transformation to_wgs84;
   const OGRSpatialReference* system = layer.GetSpatialRef();
   if (!system) {
-    diagnostics_.push_back({Severity::kWarning,
-                            "no coordinate system: coordinates are taken as metres east and north", path_, 0,
-                            layer.GetName()});
+    diagnostics_.push_back({Severity::kWarning, "no coordinate system: coordinates are taken as metres east and north",
+                            path_, 0, layer.GetName()});
   } else {
     OGRSpatialReference source(*system);
     source.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     if (!source.IsSame(&wgs84)) {
       to_wgs84.reset(OGRCreateCoordinateTransformation(&source, &wgs84));
       if (!to_wgs84) {
-        return Error{ErrorCode::kData,
-                     "its coordinate system cannot be changed to WGS84: " + messages_.failure, path_};
+        return Error{ErrorCode::kData, "its coordinate system cannot be changed to WGS84: " + messages_.failure, path_};
       }
     }
   }
@@ -166,8 +160,7 @@ Result<std::vector<Track>> Reader::read() {
   const Dataset dataset(static_cast<GDALDataset*>(
       GDALOpenEx(path_.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, nullptr, nullptr)));
   const auto unreadable = [&] {
-    const std::string why =
-        messages_.failure.empty() ? "it is not of the kind that its name says" : messages_.failure;
+    const std::string why = messages_.failure.empty() ? "it is not of the kind that its name says" : messages_.failure;
     return Error{ErrorCode::kParse, "cannot be read (truncated?): " + why, path_};
   };
   if (!dataset) return unreadable();
@@ -176,8 +169,7 @@ Result<std::vector<Track>> Reader::read() {
     if (Status status = read_layer(*dataset->GetLayer(i)); !status) return status.error();
     if (!messages_.failure.empty()) return unreadable();
   }
-  for (const std::string& warning : messages_.warnings)
-    diagnostics_.push_back({Severity::kWarning, warning, path_});
+  for (const std::string& warning : messages_.warnings) diagnostics_.push_back({Severity::kWarning, warning, path_});
   if (not_lines_ > 0) {
     diagnostics_.push_back(
         {Severity::kWarning, std::to_string(not_lines_) + " features that are not lines left out", path_});

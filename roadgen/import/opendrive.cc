@@ -171,8 +171,7 @@ pugi::xml_node Reader::child(pugi::xml_node node, const char* name) {
 
 void Reader::read_header(pugi::xml_node header) {
   if (failed()) return;
-  if (number(header, "revMajor") != 1 && !failed())
-    unsupported(header, "an OpenDRIVE version other than 1.x is");
+  if (number(header, "revMajor") != 1 && !failed()) unsupported(header, "an OpenDRIVE version other than 1.x is");
   network_.name = header.attribute("name").value();
   read_origin(header);
 }
@@ -198,8 +197,7 @@ void Reader::read_origin(pugi::xml_node header) {
 
 void Reader::read_links(pugi::xml_node node, Road& road) {
   for (const pugi::xml_node link : node.child("link").children()) {
-    if (link.attribute("elementId").value() == road.id &&
-        !std::strcmp(link.attribute("elementType").value(), "road")) {
+    if (link.attribute("elementId").value() == road.id && !std::strcmp(link.attribute("elementType").value(), "road")) {
       road.closed = true;
     } else {
       note(link, "links to other roads are not kept");
@@ -209,17 +207,16 @@ void Reader::read_links(pugi::xml_node node, Road& road) {
 
 void Reader::refuse_lateral(pugi::xml_node node) {
   for (const pugi::xml_node record : node.child("lateralProfile").children()) {
-    const bool flat = !std::strcmp(record.name(), "superelevation") &&
-                      record.attribute("a").as_double() == 0 && record.attribute("b").as_double() == 0 &&
-                      record.attribute("c").as_double() == 0 && record.attribute("d").as_double() == 0;
+    const bool flat = !std::strcmp(record.name(), "superelevation") && record.attribute("a").as_double() == 0 &&
+                      record.attribute("b").as_double() == 0 && record.attribute("c").as_double() == 0 &&
+                      record.attribute("d").as_double() == 0;
     if (!flat) return unsupported(record, std::string("<") + record.name() + "> is");
   }
 }
 
 ParametricCubic Reader::read_shape(pugi::xml_node node, double heading_rad, double length_m) {
   const glm::dvec2 start(number(node, "x"), number(node, "y"));
-  const pugi::xml_node shape =
-      node.find_child([](pugi::xml_node n) { return std::strcmp(n.name(), "userData") != 0; });
+  const pugi::xml_node shape = node.find_child([](pugi::xml_node n) { return std::strcmp(n.name(), "userData") != 0; });
   if (!std::strcmp(shape.name(), "line")) return ParametricCubic{start, {length_m, 0}}.turned(heading_rad);
   if (std::strcmp(shape.name(), "paramPoly3")) {
     if (shape)
@@ -269,8 +266,7 @@ Placed Reader::read_geometry(pugi::xml_node node) {
   if (failed()) return placed;
   if (!(placed.length_m > 0)) {
     fail(ErrorCode::kParse, node,
-         "<geometry> has length=\"" + std::string(node.attribute("length").value()) +
-             "\"; it must be positive");
+         "<geometry> has length=\"" + std::string(node.attribute("length").value()) + "\"; it must be positive");
     return placed;
   }
   const ParametricCubic curve = read_shape(node, heading, placed.length_m);
@@ -325,10 +321,9 @@ Cubic Reader::profile_over(const std::vector<Record>& records, const Placed& pla
     if (record.s_m <= placed.s_m + kSamePlace_m)
       holds = &record;
     else if (record.s_m < placed.s_m + placed.length_m - kSamePlace_m && !error_) {
-      error_ = Error{
-          ErrorCode::kData,
-          std::string("a record of the ") + what + " that begins within a geometry is not supported yet",
-          file_, record.line, element_};
+      error_ = Error{ErrorCode::kData,
+                     std::string("a record of the ") + what + " that begins within a geometry is not supported yet",
+                     file_, record.line, element_};
     }
   }
   if (!holds) return {};
@@ -336,8 +331,7 @@ Cubic Reader::profile_over(const std::vector<Record>& records, const Placed& pla
   const Cubic result = shifted(holds->cubic, std::abs(by) <= kSamePlace_m ? 0 : by);
   const Cubic::Range range = result.range(placed.segment.arc_m);
   if (!(std::abs(range.low) <= kGreatestProfile_m && std::abs(range.high) <= kGreatestProfile_m) && !error_) {
-    error_ = Error{ErrorCode::kData, std::string("the ") + what + " is beyond 1e6 m", file_, holds->line,
-                   element_};
+    error_ = Error{ErrorCode::kData, std::string("the ") + what + " is beyond 1e6 m", file_, holds->line, element_};
   }
   return result;
 }
@@ -380,8 +374,7 @@ std::vector<Record> Reader::read_widths(pugi::xml_node node) {
   if (section.next_sibling("laneSection"))
     unsupported(section.next_sibling("laneSection"), "more than one lane section is");
   if (failed()) return {};
-  if (!section.child("left") || !section.child("right"))
-    unsupported(section, "a road without lanes on both sides is");
+  if (!section.child("left") || !section.child("right")) unsupported(section, "a road without lanes on both sides is");
   const pugi::xml_node mark = section.child("center").child("lane").child("roadMark");
   if (mark && std::strcmp(mark.attribute("type").value(), "broken"))
     note(mark, "road marks are not kept: edges become solid, the centre broken");
@@ -391,8 +384,8 @@ std::vector<Record> Reader::read_widths(pugi::xml_node node) {
                             right = read_lane(section.child("right"), "-1");
   if (failed()) return {};
   const auto same = [](const Record& a, const Record& b) {
-    return a.s_m == b.s_m && a.cubic.c0 == b.cubic.c0 && a.cubic.c1 == b.cubic.c1 &&
-           a.cubic.c2 == b.cubic.c2 && a.cubic.c3 == b.cubic.c3;
+    return a.s_m == b.s_m && a.cubic.c0 == b.cubic.c0 && a.cubic.c1 == b.cubic.c1 && a.cubic.c2 == b.cubic.c2 &&
+           a.cubic.c3 == b.cubic.c3;
   };
   if (!std::equal(left.begin(), left.end(), right.begin(), right.end(), same))
     unsupported(section, "lanes of different widths on the two sides are");
@@ -446,8 +439,7 @@ Result<Network> Reader::read(Diagnostics* diagnostics) {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_buffer(text_.data(), text_.size());
   if (!parsed) {
-    return Error{ErrorCode::kParse,
-                 std::string("is not well-formed XML (truncated?): ") + parsed.description(), file_,
+    return Error{ErrorCode::kParse, std::string("is not well-formed XML (truncated?): ") + parsed.description(), file_,
                  lines_.line(parsed.offset)};
   }
   const pugi::xml_node root = document.child("OpenDRIVE");
@@ -473,8 +465,7 @@ Result<Network> Reader::read(Diagnostics* diagnostics) {
   if (network_.roads.empty()) return Error{ErrorCode::kData, "holds no roads", file_};
   if (diagnostics) {
     for (const auto& [what, seen] : notes_) {
-      const std::string times =
-          seen.count > 1 ? " (" + std::to_string(seen.count) + " times, first here)" : "";
+      const std::string times = seen.count > 1 ? " (" + std::to_string(seen.count) + " times, first here)" : "";
       diagnostics->push_back({Severity::kWarning, what + times, file_, seen.line, seen.element});
     }
   }

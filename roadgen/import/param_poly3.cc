@@ -42,9 +42,8 @@ Result<Segment> segment_from_cubic(const ParametricCubic& curve) {
   segment.slope_start = cross(chord, curve.b_m) / glm::dot(chord, curve.b_m);
   segment.slope_end = cross(chord, tangent) / glm::dot(chord, tangent);
   if (!(std::abs(segment.slope_start) <= kSteepestSlope && std::abs(segment.slope_end) <= kSteepestSlope)) {
-    return Error{
-        ErrorCode::kGeometry,
-        "the paramPoly3 turns by nearly 90 degrees or more from its chord, which is not supported yet"};
+    return Error{ErrorCode::kGeometry,
+                 "the paramPoly3 turns by nearly 90 degrees or more from its chord, which is not supported yet"};
   }
   set_arc(segment);
   return segment;

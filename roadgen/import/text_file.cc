@@ -37,8 +37,7 @@ std::size_t sequence_length(std::string_view text) {
 Result<std::string> read_file(const std::string& path) {
   std::error_code failed;
   const fs::file_status status = fs::status(path, failed);
-  if (status.type() == fs::file_type::not_found)
-    return Error{ErrorCode::kIo, "no such file; check the path", path};
+  if (status.type() == fs::file_type::not_found) return Error{ErrorCode::kIo, "no such file; check the path", path};
   if (fs::is_directory(status)) return Error{ErrorCode::kIo, "is a folder; name a file in it", path};
   if (failed) return Error{ErrorCode::kIo, "cannot be read: " + failed.message(), path};
 
@@ -54,8 +53,7 @@ Status check_utf8(std::string_view text, const std::string& file) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = sequence_length(text.substr(at));
     if (length == 0) {
-      return Error{ErrorCode::kParse,
-                   "is not UTF-8 text: save it as UTF-8, or check that it is the right file", file,
+      return Error{ErrorCode::kParse, "is not UTF-8 text: save it as UTF-8, or check that it is the right file", file,
                    LineIndex(text).line(static_cast<std::ptrdiff_t>(at))};
     }
     at += length;
@@ -70,8 +68,7 @@ LineIndex::LineIndex(std::string_view text) {
 }
 
 int LineIndex::line(std::ptrdiff_t offset) const {
-  return 1 +
-         static_cast<int>(std::lower_bound(newlines_.begin(), newlines_.end(), offset) - newlines_.begin());
+  return 1 + static_cast<int>(std::lower_bound(newlines_.begin(), newlines_.end(), offset) - newlines_.begin());
 }
 
 std::optional<double> parse_number(std::string_view text) {

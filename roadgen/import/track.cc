@@ -12,8 +12,7 @@ namespace roadgen {
 
 Result<std::vector<Track>> read_tracks(const std::string& path, Diagnostics& diagnostics) {
   std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
 
   if (ending == ".csv" || ending == ".txt") return read_csv(path, diagnostics);
   if (ending == ".gpx") return read_gpx(path, diagnostics);
@@ -22,15 +21,13 @@ Result<std::vector<Track>> read_tracks(const std::string& path, Diagnostics& dia
   }
   // A missing file is the likelier slip.
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored))
-    return Error{ErrorCode::kIo, "no such file; check the path", path};
+  if (!std::filesystem::exists(path, ignored)) return Error{ErrorCode::kIo, "no such file; check the path", path};
   if (std::filesystem::is_directory(path, ignored)) {
     return Error{ErrorCode::kIo, "is a folder; name a file in it", path};
   }
-  return Error{
-      ErrorCode::kParse,
-      "is of an unknown kind: the name must end in .csv, .txt, .geojson, .json, .gpx, .kml, .shp or .gpkg",
-      path};
+  return Error{ErrorCode::kParse,
+               "is of an unknown kind: the name must end in .csv, .txt, .geojson, .json, .gpx, .kml, .shp or .gpkg",
+               path};
 }
 
 std::string points_text(const TrackPoint& first, const TrackPoint& last) {

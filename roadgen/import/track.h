@@ -11,21 +11,21 @@ namespace roadgen {
 
 // A point as read. x and y are finite; heights may be void values, widths may be nonsense: clean_track decides.
 struct TrackPoint {
-  double x = 0;                          // longitude in degrees east, or metres
-  double y = 0;                          // latitude in degrees north, or metres
-  std::optional<double> height_m = {};   // none where the file has none
-  std::optional<double> width_m = {};    // of the whole road
-  int index = 0;                         // 1-based number of the point in its track
-  int line = 0;                          // 1-based line in the file, or 0 where the reader does not tell
+  double x = 0;                         // longitude in degrees east, or metres
+  double y = 0;                         // latitude in degrees north, or metres
+  std::optional<double> height_m = {};  // none where the file has none
+  std::optional<double> width_m = {};   // of the whole road
+  int index = 0;                        // 1-based number of the point in its track
+  int line = 0;                         // 1-based line in the file, or 0 where the reader does not tell
 };
 
 // One line string of a file; it becomes one road.
 struct Track {
   std::string file;
-  std::string element;   // the feature's id, track number, ...; empty where the file is one track
-  std::string name;      // for people
-  bool geodetic = true;  // longitude and latitude on WGS84, not metres
-  bool recorded = false; // by a moving GPS receiver, not surveyed or drawn on a map
+  std::string element;    // the feature's id, track number, ...; empty where the file is one track
+  std::string name;       // for people
+  bool geodetic = true;   // longitude and latitude on WGS84, not metres
+  bool recorded = false;  // by a moving GPS receiver, not surveyed or drawn on a map
   std::vector<TrackPoint> points = {};
 };
 

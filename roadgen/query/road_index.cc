@@ -63,7 +63,9 @@ RoadIndex::RoadIndex(const Network& network) : network_(&network) {
   std::iota(order.begin(), order.end(), 0u);
   const std::vector<SegmentRef> refs = refs_;
   const std::vector<Box> boxes = boxes_;
-  struct Work { std::uint32_t node, begin, end; };
+  struct Work {
+    std::uint32_t node, begin, end;
+  };
   std::vector<Work> work{{0, 0, static_cast<std::uint32_t>(order.size())}};
   while (!work.empty()) {
     const Work w = work.back();
@@ -82,11 +84,10 @@ RoadIndex::RoadIndex(const Network& network) : network_(&network) {
     // Halved at the median along the longer side.
     const int axis = all.high_m.x - all.low_m.x >= all.high_m.y - all.low_m.y ? 0 : 1;
     const std::uint32_t middle = (w.begin + w.end) / 2;
-    std::nth_element(order.begin() + w.begin, order.begin() + middle, order.begin() + w.end,
-                     [&](std::uint32_t i, std::uint32_t j) {
-                       return boxes[i].low_m[axis] + boxes[i].high_m[axis] <
-                              boxes[j].low_m[axis] + boxes[j].high_m[axis];
-                     });
+    std::nth_element(
+        order.begin() + w.begin, order.begin() + middle, order.begin() + w.end, [&](std::uint32_t i, std::uint32_t j) {
+          return boxes[i].low_m[axis] + boxes[i].high_m[axis] < boxes[j].low_m[axis] + boxes[j].high_m[axis];
+        });
     const auto left = static_cast<std::uint32_t>(nodes_.size());
     nodes_[w.node].first = left;
     nodes_.resize(nodes_.size() + 2);
@@ -134,7 +135,8 @@ std::optional<RoadPoint> RoadIndex::search(glm::dvec3 point_m, bool with_height,
     if (node.count == 0) {
       // The nearer child is looked at first.
       const std::uint32_t near = distance2(nodes_[node.first].box, flat) <= distance2(nodes_[node.first + 1].box, flat)
-                                     ? node.first : node.first + 1;
+                                     ? node.first
+                                     : node.first + 1;
       stack[top++] = node.first + node.first + 1 - near;
       stack[top++] = near;
       continue;

@@ -61,7 +61,6 @@ bool is_fault(GLenum source, GLenum type, GLenum severity) {
          type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR || severity == GL_DEBUG_SEVERITY_HIGH;
 }
 
-
 void add_message(std::mutex& mutex, std::vector<std::string>& messages, GLenum type, const char* text) {
   const std::lock_guard lock(mutex);
   if (messages.size() < Context::kMaxDebugMessages) {

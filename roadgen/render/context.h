@@ -40,11 +40,26 @@ struct ContextOptions {
 
 // Keys that Context::key_down knows; letters and digits are passed as their upper-case characters.
 enum class Key : int {
-  kEscape = 256, kEnter, kTab, kSpace, kLeft, kRight, kUp, kDown, kShift, kControl, kPageUp, kPageDown
+  kEscape = 256,
+  kEnter,
+  kTab,
+  kSpace,
+  kLeft,
+  kRight,
+  kUp,
+  kDown,
+  kShift,
+  kControl,
+  kPageUp,
+  kPageDown
 };
 
-struct PixelSize { int width, height; };
-struct CursorPosition { double x_px, y_px; };  // from the top left corner of the picture
+struct PixelSize {
+  int width, height;
+};
+struct CursorPosition {
+  double x_px, y_px;
+};  // from the top left corner of the picture
 
 class Context {
  public:
@@ -86,8 +101,8 @@ class Context {
 
   // Of a window; the other kinds do nothing, never close and have no input.
   void swap_buffers();
-  void poll();                       // handles pending input events
-  bool should_close() const;         // the user asked to close the window
+  void poll();                // handles pending input events
+  bool should_close() const;  // the user asked to close the window
   void set_should_close(bool close);
   bool key_down(Key key) const;
   bool key_down(char letter_or_digit) const;

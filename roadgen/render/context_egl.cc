@@ -37,10 +37,10 @@ class EglBackend : public Context::Backend {
 };
 
 Error egl_error(const std::string& what, const std::string& advice) {
-  static const char* const kNames[] = {"success", "not initialized", "bad access", "bad alloc", "bad attribute",
-                                       "bad config", "bad context", "bad current surface", "bad display", "bad match",
-                                       "bad native pixmap", "bad native window", "bad parameter", "bad surface",
-                                       "context lost"};
+  static const char* const kNames[] = {"success",       "not initialized", "bad access",        "bad alloc",
+                                       "bad attribute", "bad config",      "bad context",       "bad current surface",
+                                       "bad display",   "bad match",       "bad native pixmap", "bad native window",
+                                       "bad parameter", "bad surface",     "context lost"};
   const EGLint code = eglGetError();
   std::string message = "EGL: " + what;
   if (code > EGL_SUCCESS && code <= EGL_CONTEXT_LOST) message += std::string(" (") + kNames[code - EGL_SUCCESS] + ")";
@@ -95,9 +95,15 @@ Result<std::unique_ptr<Context::Backend>> make_egl_backend(const ContextOptions&
       !has_extension(*display, "EGL_KHR_surfaceless_context")) {
     return egl_error("no contexts without a surface", advice);
   }
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                               EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                               EGL_CONTEXT_OPENGL_DEBUG, options.debug ? EGL_TRUE : EGL_FALSE, EGL_NONE};
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                               4,
+                               EGL_CONTEXT_MINOR_VERSION,
+                               5,
+                               EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                               EGL_CONTEXT_OPENGL_DEBUG,
+                               options.debug ? EGL_TRUE : EGL_FALSE,
+                               EGL_NONE};
   const EGLContext context = eglCreateContext(*display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
   if (context == EGL_NO_CONTEXT) return egl_error("no OpenGL 4.5 core context", advice);
   return std::unique_ptr<Context::Backend>(new EglBackend(*display, context));

@@ -33,8 +33,15 @@ class OsmesaBackend : public Context::Backend {
 
 Result<std::unique_ptr<Context::Backend>> make_osmesa_backend(const ContextOptions& options) {
   // No depth or stencil buffer: passes bring their own framebuffer objects.
-  const int attributes[] = {OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
-                            OSMESA_CONTEXT_MAJOR_VERSION, 4, OSMESA_CONTEXT_MINOR_VERSION, 5, 0};
+  const int attributes[] = {OSMESA_FORMAT,
+                            OSMESA_RGBA,
+                            OSMESA_PROFILE,
+                            OSMESA_CORE_PROFILE,
+                            OSMESA_CONTEXT_MAJOR_VERSION,
+                            4,
+                            OSMESA_CONTEXT_MINOR_VERSION,
+                            5,
+                            0};
   const OSMesaContext context = OSMesaCreateContextAttribs(attributes, nullptr);
   if (!context) {
     return Error{ErrorCode::kContext,

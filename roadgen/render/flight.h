@@ -10,9 +10,9 @@ namespace roadgen {
 Camera drive_camera(const Road& road, double s_m, double t_m, double height_m);
 
 struct FlightOptions {
-  double height_m = 22;   // above the smoothed road
-  double smooth_m = 90;   // the path is the road's mean over this length to both sides. >= 0
-  double ahead_m = 170;   // where the view points, along the road
+  double height_m = 22;  // above the smoothed road
+  double smooth_m = 90;  // the path is the road's mean over this length to both sides. >= 0
+  double ahead_m = 170;  // where the view points, along the road
 };
 
 // The camera of a flight along the road at arc length s_m: above the road's mean course, looking at where it goes.

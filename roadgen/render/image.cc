@@ -121,8 +121,8 @@ Image<T> flipped(const Image<T>& image) {
   const size_t row = static_cast<size_t>(image.width) * static_cast<size_t>(image.channels);
   for (size_t y = 0; y < static_cast<size_t>(image.height); ++y) {
     const auto from = image.pixels.begin() + static_cast<std::ptrdiff_t>(row * y);
-    const auto to = result.pixels.begin() +
-                    static_cast<std::ptrdiff_t>(row * (static_cast<size_t>(image.height) - 1 - y));
+    const auto to =
+        result.pixels.begin() + static_cast<std::ptrdiff_t>(row * (static_cast<size_t>(image.height) - 1 - y));
     std::copy(from, from + static_cast<std::ptrdiff_t>(row), to);
   }
   return result;

@@ -26,7 +26,9 @@ struct Image {
   Image() = default;
   // All zero. Requires: nothing negative.
   Image(int width_px, int height_px, int channel_count)
-      : width(width_px), height(height_px), channels(channel_count),
+      : width(width_px),
+        height(height_px),
+        channels(channel_count),
         pixels(static_cast<size_t>(width_px) * static_cast<size_t>(height_px) * static_cast<size_t>(channel_count)) {}
 
   // Requires: in range.
@@ -41,7 +43,8 @@ struct Image {
  private:
   size_t index(int x, int y, int channel) const {
     return (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) *
-               static_cast<size_t>(channels) + static_cast<size_t>(channel);
+               static_cast<size_t>(channels) +
+           static_cast<size_t>(channel);
   }
 };
 using Image8 = Image<std::uint8_t>;  // sRGB-encoded colours, linear alpha, not premultiplied
@@ -65,9 +68,9 @@ template <class T>
 Image<T> flipped(const Image<T>& image);
 
 struct ImageDifference {
-  double max = 0;   // of |a - b| over all pixels and channels, in the images' own units
-  double mean = 0;  // likewise
-  int x = 0, y = 0; // where the greatest is, first in row order
+  double max = 0;    // of |a - b| over all pixels and channels, in the images' own units
+  double mean = 0;   // likewise
+  int x = 0, y = 0;  // where the greatest is, first in row order
 };
 
 // Equal infinities and two NaNs differ by 0; an infinity or NaN on one side only, by infinity.

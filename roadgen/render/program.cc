@@ -70,8 +70,7 @@ Program::Program() = default;
 Program::~Program() {
   if (id_) glDeleteProgram(id_);
 }
-Program::Program(Program&& other) noexcept
-    : id_(std::exchange(other.id_, 0)), uniforms_(std::move(other.uniforms_)) {}
+Program::Program(Program&& other) noexcept : id_(std::exchange(other.id_, 0)), uniforms_(std::move(other.uniforms_)) {}
 Program& Program::operator=(Program&& other) noexcept {
   std::swap(id_, other.id_);
   std::swap(uniforms_, other.uniforms_);

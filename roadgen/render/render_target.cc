@@ -17,8 +17,8 @@ Status check_limits(const RenderTargetOptions& options) {
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
   glGetIntegerv(GL_MAX_COLOR_TEXTURE_SAMPLES, &samples);
   glGetIntegerv(GL_MAX_COLOR_ATTACHMENTS, &colors);
-  if (options.width < 1 || options.height < 1 || options.width > size || options.height > size ||
-      options.samples < 1 || options.samples > samples || options.color_formats.size() > static_cast<size_t>(colors)) {
+  if (options.width < 1 || options.height < 1 || options.width > size || options.height > size || options.samples < 1 ||
+      options.samples > samples || options.color_formats.size() > static_cast<size_t>(colors)) {
     return Error{ErrorCode::kContext, "no picture of " + shape_text(options) + "; this driver allows up to " +
                                           std::to_string(size) + "x" + std::to_string(size) + " with " +
                                           std::to_string(samples) + " samples"};
@@ -58,8 +58,8 @@ Result<RenderTarget> RenderTarget::create(const RenderTargetOptions& options) {
     glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, target.depth_.id(), 0);
   }
   if (glCheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    return Error{ErrorCode::kContext, "this driver cannot render to a picture of " + shape_text(options) +
-                                          " in the chosen formats"};
+    return Error{ErrorCode::kContext,
+                 "this driver cannot render to a picture of " + shape_text(options) + " in the chosen formats"};
   }
   return target;
 }

@@ -10,7 +10,7 @@
 namespace roadgen {
 
 struct RenderTargetOptions {
-  int width = 0;   // pixels, at least 1
+  int width = 0;  // pixels, at least 1
   int height = 0;
   std::vector<GLenum> color_formats = {GL_SRGB8_ALPHA8};  // sized formats of COLOR_ATTACHMENT0, 1, ...; may be empty
   // 0 for no depth. The default is for reversed z (near is 1, far is 0), whose relative precision is even.

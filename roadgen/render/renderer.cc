@@ -128,7 +128,8 @@ Result<Programs> compile(const ShaderDefines& defines) {
 
 // The target of a size, made anew when the size changes.
 Status ensure(RenderTarget& target, int width, int height, int samples, std::vector<GLenum> colors, GLenum depth) {
-  if (target.framebuffer() != 0 && target.width() == width && target.height() == height && target.samples() == samples) {
+  if (target.framebuffer() != 0 && target.width() == width && target.height() == height &&
+      target.samples() == samples) {
     return Done{};
   }
   auto made = RenderTarget::create({width, height, std::move(colors), depth, samples});
@@ -140,7 +141,8 @@ Status ensure(RenderTarget& target, int width, int height, int samples, std::vec
 Image<std::uint32_t> channel(const ImageF& image, int index) {
   Image<std::uint32_t> values(image.width, image.height, 1);
   for (std::size_t i = 0; i < values.pixels.size(); ++i) {
-    values.pixels[i] = static_cast<std::uint32_t>(image.pixels[i * static_cast<std::size_t>(image.channels) + static_cast<std::size_t>(index)]);
+    values.pixels[i] = static_cast<std::uint32_t>(
+        image.pixels[i * static_cast<std::size_t>(image.channels) + static_cast<std::size_t>(index)]);
   }
   return values;
 }
@@ -183,8 +185,8 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   u.clip_from_relative = glm::mat4(clip_from_relative(camera, static_cast<double>(width) / height));
   u.eye_high = glm::vec4(eye.high, 0);
   u.eye_low = glm::vec4(eye.low, 0);
-  u.eye_phase = glm::dvec4(phase(camera.position_m.x), phase(camera.position_m.y), 0.5 * pixel * width,
-                           0.5 * pixel * height);
+  u.eye_phase =
+      glm::dvec4(phase(camera.position_m.x), phase(camera.position_m.y), 0.5 * pixel * width, 0.5 * pixel * height);
   u.forward = glm::dvec4(axes.forward, camera.near_m);
   u.right = glm::dvec4(axes.right, pixel);
   u.up = glm::dvec4(axes.up, 0);

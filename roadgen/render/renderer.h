@@ -37,17 +37,17 @@ enum class Label : std::uint32_t { kNone = 0, kGround = 1, kCarriageway = 2, kMa
 struct FrameOptions {
   int width = 1280, height = 720;  // pixels, in [1, 16384]
   unsigned channels = kColor;
-  int samples = 4;                 // of the picture: 1 or 4. Data channels are taken at pixel centres
+  int samples = 4;  // of the picture: 1 or 4. Data channels are taken at pixel centres
 };
 
 // A channel that was not asked for has no pixels.
 struct Frame {
-  Image8 color;                     // RGBA
-  ImageF depth_m;                   // along the view axis, +inf where nothing is
-  Image<std::uint32_t> label;       // Label
-  Image<std::uint32_t> instance;    // 1 + index of the road, 0 off the roads
-  ImageF normal;                    // 3 channels: unit, ENU; 0 where nothing is
-  ImageF road;                      // 4 channels: index of the road, s (m), t (m), lane; index -1 off the roads
+  Image8 color;                   // RGBA
+  ImageF depth_m;                 // along the view axis, +inf where nothing is
+  Image<std::uint32_t> label;     // Label
+  Image<std::uint32_t> instance;  // 1 + index of the road, 0 off the roads
+  ImageF normal;                  // 3 channels: unit, ENU; 0 where nothing is
+  ImageF road;                    // 4 channels: index of the road, s (m), t (m), lane; index -1 off the roads
 };
 
 struct Lighting {

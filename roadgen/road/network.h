@@ -22,7 +22,7 @@ struct Georeference {
 
 // A road: segments one after the other, each starting at the anchor where the one before ends.
 struct Road {
-  std::string id;                 // unique in the network
+  std::string id;  // unique in the network
   std::string name;
   bool closed = false;            // the last segment ends at the first one's start
   std::vector<Segment> segments;  // s_start_m increasing from 0
@@ -70,11 +70,11 @@ Bounds bounds(const Network& network);
 
 // What happens at the joint from one segment to the next; all absolute values.
 struct JointGap {
-  double position_m = 0;        // distance of end and start anchor
+  double position_m = 0;  // distance of end and start anchor
   double heading_rad = 0;
-  double curvature_per_m = 0;   // curvature may jump: the curve is G1
+  double curvature_per_m = 0;  // curvature may jump: the curve is G1
   double elevation_m = 0;
-  double grade = 0;             // dz/ds
+  double grade = 0;  // dz/ds
   double half_width_m = 0;
 };
 JointGap joint_gap(const Segment& before, const Segment& after);

@@ -18,10 +18,10 @@ enum class ErrorCode { kUsage, kIo, kParse, kData, kGeometry, kContext, kShader 
 // One line for the user: what, where, what to do.
 struct Error {
   ErrorCode code = ErrorCode::kData;
-  std::string message;      // what is wrong and what to do; no newline
-  std::string file = {};    // the file it was found in, or empty
-  int line = 0;             // 1-based, or 0 where there is none
-  std::string element = {}; // id of the road, feature or record, or empty
+  std::string message;       // what is wrong and what to do; no newline
+  std::string file = {};     // the file it was found in, or empty
+  int line = 0;              // 1-based, or 0 where there is none
+  std::string element = {};  // id of the road, feature or record, or empty
 
   // "FILE:LINE: ELEMENT: MESSAGE", leaving out what is not known.
   std::string text() const;
@@ -53,15 +53,27 @@ class [[nodiscard]] Result {
 
   bool ok() const { return held_.index() == 0; }
   explicit operator bool() const { return ok(); }
-  T& value() & { assert(ok()); return *std::get_if<0>(&held_); }
-  const T& value() const& { assert(ok()); return *std::get_if<0>(&held_); }
-  T&& value() && { assert(ok()); return std::move(*std::get_if<0>(&held_)); }
+  T& value() & {
+    assert(ok());
+    return *std::get_if<0>(&held_);
+  }
+  const T& value() const& {
+    assert(ok());
+    return *std::get_if<0>(&held_);
+  }
+  T&& value() && {
+    assert(ok());
+    return std::move(*std::get_if<0>(&held_));
+  }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
   T&& operator*() && { return std::move(*this).value(); }
-  const Error& error() const { assert(!ok()); return *std::get_if<1>(&held_); }
+  const Error& error() const {
+    assert(!ok());
+    return *std::get_if<1>(&held_);
+  }
 
  private:
   std::variant<T, Error> held_;

@@ -25,7 +25,9 @@ struct Cubic {
   static Cubic hermite(double value0, double slope0, double value1, double slope1, double length_m);
 
   // Least and greatest value on [0, length_m], exact up to rounding.
-  struct Range { double low, high; };
+  struct Range {
+    double low, high;
+  };
   Range range(double length_m) const;
 };
 
@@ -36,7 +38,7 @@ struct MappingBound {
 };
 
 struct Segment {
-  glm::dvec2 start_m{0, 0};       // anchors, ENU
+  glm::dvec2 start_m{0, 0};  // anchors, ENU
   glm::dvec2 end_m{1, 0};
   double slope_start = 0;         // a: tangent slope against the chord at the start
   double slope_end = 0;           // b: and at the end
@@ -46,7 +48,7 @@ struct Segment {
   double arc_error_m = 0;         // maximum of |s(u) - exact arc length|, measured with a margin of 5 %
   Cubic elevation_m;              // z(s - s_start)
   Cubic half_width_m{3.5, 0, 0, 0};
-  MappingBound bound;             // for the greatest half width
+  MappingBound bound;  // for the greatest half width
 
   glm::dvec2 chord_m() const { return end_m - start_m; }
   double chord_length_m() const;
@@ -91,8 +93,8 @@ glm::dvec2 from_chord(const Segment& segment, glm::dvec2 point);
 
 // The centre line at u in [0, 1].
 glm::dvec2 position_m(const Segment& segment, double u);
-double heading_rad(const Segment& segment, double u);          // in (-pi, pi]
-double curvature_per_m(const Segment& segment, double u);      // positive to the left
+double heading_rad(const Segment& segment, double u);      // in (-pi, pi]
+double curvature_per_m(const Segment& segment, double u);  // positive to the left
 
 // Arc length in metres from the segment's start at u, by the polynomial that the shader uses; and its inverse, for
 // s in [0, arc_m] (clamped), to 1e-12 of arc_m.
@@ -105,7 +107,9 @@ Lib::RoadCoord project(const Segment& segment, glm::dvec2 point_m);
 
 // The truly nearest point of the segment's centre line to a point, anywhere in the plane; by bracketing and Newton in
 // double, not by the road function. distance_m is unsigned; u in [0, 1].
-struct Nearest { double u, distance_m; };
+struct Nearest {
+  double u, distance_m;
+};
 Nearest nearest(const Segment& segment, glm::dvec2 point_m);
 
 // The four corners of the fitted quad (paper, Fig. 5) in the chord frame: start right, start left, end right, end left.

@@ -58,8 +58,8 @@ void SegmentsToInstances(benchmark::State& state) {
       instances.push_back(road_instance(segment, 0));
     }
   }
-  state.counters["segments/s"] = benchmark::Counter(static_cast<double>(road->segments.size()),
-                                                    benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["segments/s"] =
+      benchmark::Counter(static_cast<double>(road->segments.size()), benchmark::Counter::kIsIterationInvariantRate);
   state.counters["bytes/segment_gpu"] = sizeof(RoadInstance);
 }
 BENCHMARK(SegmentsToInstances)->Unit(benchmark::kMillisecond);

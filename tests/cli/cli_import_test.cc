@@ -22,8 +22,8 @@ std::string loop_csv() {
   for (int i = 0; i < 120; ++i) {
     const double angle = 2 * 3.14159265358979 * i / 120;
     const double height = i == 40 ? 0 : i == 80 ? -32768 : 400 + 10 * std::sin(angle);
-    text += number(50 + 0.0027 * std::sin(angle)) + "," + number(11 + 0.0042 * std::cos(angle)) + "," +
-            number(height) + ",8\n";
+    text += number(50 + 0.0027 * std::sin(angle)) + "," + number(11 + 0.0042 * std::cos(angle)) + "," + number(height) +
+            ",8\n";
   }
   return text;
 }
@@ -49,8 +49,8 @@ TEST(Commands, ImportThenInfoThenCheck) {
   const json fit = json::parse(text_of(report));
   ASSERT_EQ(fit["roads"].size(), 1u);
   const json road = fit["roads"][0];
-  for (const char* key : {"id", "closed", "length_m", "samples", "anchors", "segments", "max_error_m",
-                          "rms_error_m", "bound_m", "max_heading_jump_rad", "max_curvature_jump_per_m"}) {
+  for (const char* key : {"id", "closed", "length_m", "samples", "anchors", "segments", "max_error_m", "rms_error_m",
+                          "bound_m", "max_heading_jump_rad", "max_curvature_jump_per_m"}) {
     EXPECT_TRUE(road.contains(key)) << key;
   }
   EXPECT_EQ(road["closed"], true);
@@ -78,8 +78,7 @@ TEST(Commands, ImportThenInfoThenCheck) {
   const Outcome check = roadgen::test::roadgen({"check", net});
   ASSERT_EQ(check.code, 0) << check.err;
   const json checked = json::parse(check.out);
-  for (const char* key :
-       {"joints", "max_position_gap_m", "max_heading_gap_rad", "max_mapping_bound_m", "problems"}) {
+  for (const char* key : {"joints", "max_position_gap_m", "max_heading_gap_rad", "max_mapping_bound_m", "problems"}) {
     EXPECT_TRUE(checked.contains(key)) << key;
   }
   EXPECT_EQ(checked["ok"], true);
@@ -98,8 +97,7 @@ TEST(Commands, TheSameImportGivesTheSameFile) {
 TEST(Commands, ReportGoesToStandardOutputWhereAsked) {
   const TemporaryFolder folder;
   const std::string source = folder.put("loop.csv", loop_csv());
-  const Outcome run =
-      roadgen::test::roadgen({"import", source, "-o", folder.path("n.xodr"), "--report", "-"});
+  const Outcome run = roadgen::test::roadgen({"import", source, "-o", folder.path("n.xodr"), "--report", "-"});
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(json::parse(run.out)["roads"].size(), 1u);
 }
@@ -117,8 +115,7 @@ TEST(Commands, OptionsAreHonoured) {
   EXPECT_EQ(report({"--closed", "no"})["roads"][0]["closed"], false);
   EXPECT_EQ(report({"--origin", "-33.5,151.25,12"})["origin"]["latitude_deg"], -33.5);
   EXPECT_EQ(report({"--origin=49,10"})["origin"]["height_m"], 0);
-  const json coarse = report({"--max-error", "2"})["roads"][0],
-             fine = report({"--max-error", "0.02"})["roads"][0];
+  const json coarse = report({"--max-error", "2"})["roads"][0], fine = report({"--max-error", "0.02"})["roads"][0];
   EXPECT_LT(coarse["segments"], fine["segments"]);
   EXPECT_LE(fine["max_error_m"], 0.02);
   EXPECT_LE(report({"--tangents", "catmull-rom"})["roads"][0]["max_error_m"], 0.1);

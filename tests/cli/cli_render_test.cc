@@ -36,7 +36,8 @@ class Render : public testing::Test {
     EXPECT_EQ(run.out, "");
     // One line, but for warnings about what the input leaves open.
     const auto lines = run.error_lines();
-    EXPECT_EQ(std::count_if(lines.begin(), lines.end(), [](const std::string& l) { return l.find("warning: ") != 0; }), 1);
+    EXPECT_EQ(std::count_if(lines.begin(), lines.end(), [](const std::string& l) { return l.find("warning: ") != 0; }),
+              1);
     EXPECT_NE(run.err.find("error: "), std::string::npos);
     EXPECT_NE(run.err.find(says), std::string::npos);
     EXPECT_EQ(folder_->count(), before);
@@ -53,9 +54,9 @@ TemporaryFolder* Render::folder_ = nullptr;
 
 TEST_F(Render, WritesEveryChannelAndNamesThemInJson) {
   const TemporaryFolder out;
-  const Outcome run = roadgen::test::roadgen({"render", net(), "--dem", kData + "pass_dem.tif", "--follow", "1,300,-1.75,1.3",
-                                              "--size", "160x90", "--channels", "color,depth,label,instance,normal,road",
-                                              "-o", out.path("p")});
+  const Outcome run =
+      roadgen::test::roadgen({"render", net(), "--dem", kData + "pass_dem.tif", "--follow", "1,300,-1.75,1.3", "--size",
+                              "160x90", "--channels", "color,depth,label,instance,normal,road", "-o", out.path("p")});
   ASSERT_EQ(run.code, 0) << run.err;
   const json report = json::parse(run.out);
   for (const char* channel : {"color", "depth", "label", "instance", "normal", "road"}) {
@@ -67,13 +68,14 @@ TEST_F(Render, WritesEveryChannelAndNamesThemInJson) {
 
 TEST_F(Render, FliesIntoAFolderAndAVideo) {
   const TemporaryFolder out;
-  const Outcome pictures = roadgen::test::roadgen({"fly", net(), "--frames", "12", "--size", "96x54", "-o", out.path("frames"),
-                                                   "--contact-sheet", out.path("sheet.png")});
+  const Outcome pictures = roadgen::test::roadgen({"fly", net(), "--frames", "12", "--size", "96x54", "-o",
+                                                   out.path("frames"), "--contact-sheet", out.path("sheet.png")});
   ASSERT_EQ(pictures.code, 0) << pictures.err;
   EXPECT_TRUE(std::filesystem::exists(out.path("frames/00011.png")));
   EXPECT_TRUE(std::filesystem::exists(out.path("sheet.png")));
   if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg: the video was not tested";
-  const Outcome video = roadgen::test::roadgen({"fly", net(), "--frames", "5", "--size", "97x53", "-o", out.path("f.mp4")});
+  const Outcome video =
+      roadgen::test::roadgen({"fly", net(), "--frames", "5", "--size", "97x53", "-o", out.path("f.mp4")});
   ASSERT_EQ(video.code, 0) << video.err;
   EXPECT_GT(std::filesystem::file_size(out.path("f.mp4")), 500u);
   EXPECT_EQ(out.count(), 3u);  // no temporary is left
@@ -94,7 +96,8 @@ TEST_F(Render, RefusesWrongUsage) {
 }
 
 TEST_F(Render, RefusesBadFiles) {
-  expect_refused({"render", folder_->path("none.xodr"), "--follow", "1,0,0,1", "-o", folder_->path("p")}, 1, "none.xodr");
+  expect_refused({"render", folder_->path("none.xodr"), "--follow", "1,0,0,1", "-o", folder_->path("p")}, 1,
+                 "none.xodr");
   expect_refused(render({"--follow", "1,0,0,1", "--dem", folder_->path("none.tif")}), 1, "none.tif");
   expect_refused(render({"--follow", "1,0,0,1", "--dem", net()}), 1, "net.xodr");
   expect_refused({"render", net(), "--follow", "1,0,0,1", "-o", "/no/such/folder/p"}, 1, "/no/such/folder");

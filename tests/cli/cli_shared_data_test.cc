@@ -59,20 +59,17 @@ TEST_P(SharedData, IsImportedToItsErrorAndPassesTheCheck) {
   EXPECT_EQ(json::parse(check.out)["ok"], true);
 }
 
-INSTANTIATE_TEST_SUITE_P(Roads, SharedData,
-                         testing::Values(Case{"f1-circuits/be-1925.geojson", true, 0.1, 1},
-                                         Case{"f1-circuits/br-1940.geojson", true, 0.1, 1},
-                                         Case{"f1-circuits/de-1927.geojson", true, 0.1, 2},
-                                         Case{"f1-circuits/it-1922.geojson", true, 0.1, 1},
-                                         Case{"f1-circuits/mc-1929.geojson", true, 0.1, 1},
-                                         Case{"f1-circuits/us-2012.geojson", true, 0.1, 1},
-                                         Case{"track_data/circuit-de-monaco-3f4a6324.csv", true, 0.1, 2},
-                                         Case{"track_data/kimicircuit-4c9f0cef.csv", true, 0.1, 1},
-                                         Case{"track_data/kimicircuit-99c46a6f.csv", true, 0.1, 1},
-                                         Case{"track_data/pikes-peak-international-hill-climb-3222aa41.csv",
-                                              false, 0.1, 1},
-                                         Case{"track_data/schleizer-dreieck-23cd2402.csv", true, 0.1, 0},
-                                         Case{"gpx/gpxpy_Mojstrovka.gpx", false, 3, 2},
-                                         Case{"gpx/gpxpy_around-visnjan-with-car.gpx", false, 3, 0}));
+INSTANTIATE_TEST_SUITE_P(
+    Roads, SharedData,
+    testing::Values(
+        Case{"f1-circuits/be-1925.geojson", true, 0.1, 1}, Case{"f1-circuits/br-1940.geojson", true, 0.1, 1},
+        Case{"f1-circuits/de-1927.geojson", true, 0.1, 2}, Case{"f1-circuits/it-1922.geojson", true, 0.1, 1},
+        Case{"f1-circuits/mc-1929.geojson", true, 0.1, 1}, Case{"f1-circuits/us-2012.geojson", true, 0.1, 1},
+        Case{"track_data/circuit-de-monaco-3f4a6324.csv", true, 0.1, 2},
+        Case{"track_data/kimicircuit-4c9f0cef.csv", true, 0.1, 1},
+        Case{"track_data/kimicircuit-99c46a6f.csv", true, 0.1, 1},
+        Case{"track_data/pikes-peak-international-hill-climb-3222aa41.csv", false, 0.1, 1},
+        Case{"track_data/schleizer-dreieck-23cd2402.csv", true, 0.1, 0}, Case{"gpx/gpxpy_Mojstrovka.gpx", false, 3, 2},
+        Case{"gpx/gpxpy_around-visnjan-with-car.gpx", false, 3, 0}));
 
 }  // namespace

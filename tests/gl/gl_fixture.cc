@@ -73,9 +73,7 @@ ContextOptions test_options(ContextKind kind) {
 }
 
 Context* GlTest::make_context(ContextKind kind) {
-  const auto skip = [kind](const std::string& why) {
-    GTEST_SKIP() << context_kind_name(kind) << ": " << why;
-  };
+  const auto skip = [kind](const std::string& why) { GTEST_SKIP() << context_kind_name(kind) << ": " << why; };
   if (kind == ContextKind::kWindow && !ensure_display()) {
     skip("no display and no Xvfb");
     return nullptr;

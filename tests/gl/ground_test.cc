@@ -47,7 +47,8 @@ void count(const Frame& frame, const Camera& camera, const RoadIndex& index, Cou
         at = index.to_road(glm::dvec2(crossing), 0);
       }
       // 5 mm inside the edge: an edge itself may round either way.
-      if (at && at->at.road == below->at.road && std::abs(at->t_m) < index.segment(at->at).max_half_width_m() - 0.005) ++counts.through;
+      if (at && at->at.road == below->at.road && std::abs(at->t_m) < index.segment(at->at).max_half_width_m() - 0.005)
+        ++counts.through;
     }
   }
 }
@@ -79,8 +80,7 @@ class GroundTest : public test::GlTest {
       Camera camera = drive_camera(road, s, 3 * (uniform(random) - 0.5), height);
       camera.yaw_deg += 360 * uniform(random);
       camera.pitch_deg -= 3 + 30 * uniform(random);
-      const auto frame =
-          renderer->render(camera, {.width = kWidth, .height = kHeight, .channels = kLabel | kDepth});
+      const auto frame = renderer->render(camera, {.width = kWidth, .height = kHeight, .channels = kLabel | kDepth});
       EXPECT_TRUE(frame.ok());
       count(*frame, camera, index, counts);
     }

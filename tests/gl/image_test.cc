@@ -22,9 +22,7 @@ class ImageTest : public ::testing::Test {
   }
   ~ImageTest() override { std::filesystem::remove_all(folder_); }
 
-  size_t files() const {
-    return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
-  }
+  size_t files() const { return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder_), {})); }
   static std::string bytes(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(file), {});

@@ -126,9 +126,9 @@ TEST_F(ShaderTest, LinkErrorSaysWhat) {
 
 TEST_F(ShaderTest, LogsOfOtherDriversAreUnderstood) {
   const ShaderSource source{"", {"road.frag", "lib/road.glsl"}, {{-1, 1}, {1, 42}, {0, 7}}};
-  EXPECT_EQ(shader_error("0(2) : error C1503: undefined variable \"q\"\n0(3) : error C0000: syntax error\n", source)
-                .text(),
-            "shaders/lib/road.glsl:42: C1503: undefined variable \"q\"; shaders/road.frag:7: C0000: syntax error");
+  EXPECT_EQ(
+      shader_error("0(2) : error C1503: undefined variable \"q\"\n0(3) : error C0000: syntax error\n", source).text(),
+      "shaders/lib/road.glsl:42: C1503: undefined variable \"q\"; shaders/road.frag:7: C0000: syntax error");
   EXPECT_EQ(shader_error("0:1(1): error: bad define\n0:99(1): error: where?", source).text(),
             "macros before shaders:1: bad define; macros before shaders:0: where?");
   EXPECT_EQ(shader_error("something\nelse", source).text(), "shaders/road.frag: something else");
@@ -149,11 +149,11 @@ TEST_F(ShaderTest, OverrideFolderWinsAndFallsBackToTheEmbeddedFile) {
 
 TEST_F(ShaderTest, ParameterMacrosAndDefinesWork) {
   make_context(ContextKind::kOsmesa);
-  auto program = Program::compute_from_text(
-      "macros.comp",
-      kComputeHead + "FN void twice(IN(float) x, OUT(float) result) { result = 2.0 * x; }\n"
-                     "void main() { twice(VALUE, y[0]); }\n",
-      {{"VALUE", "21.0"}});
+  auto program = Program::compute_from_text("macros.comp",
+                                            kComputeHead +
+                                                "FN void twice(IN(float) x, OUT(float) result) { result = 2.0 * x; }\n"
+                                                "void main() { twice(VALUE, y[0]); }\n",
+                                            {{"VALUE", "21.0"}});
   ASSERT_TRUE(program.ok()) << program.error().text();
   EXPECT_EQ(run(*program, 1)[0], 42.0f);
 }
@@ -201,8 +201,7 @@ void main() {
   program->set("removed", 1.0f);
   EXPECT_TRUE(program->has_uniform("fs"));
   EXPECT_FALSE(program->has_uniform("removed"));
-  EXPECT_EQ(run(*program, 17),
-            (std::vector<float>{0.5f, -1, 2, 1, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16}));
+  EXPECT_EQ(run(*program, 17), (std::vector<float>{0.5f, -1, 2, 1, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16}));
 }
 
 TEST_F(ShaderTest, ProgramsMove) {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <optional>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "roadgen/fit/catmull_rom.h"
 #include "roadgen/query/road_index.h"
@@ -53,7 +53,8 @@ std::optional<Hit> cast(const Network& network, const Camera& camera, double px,
     const glm::dvec2 along = to_chord(segment, glm::dvec2(camera.position_m) + glm::dvec2(ray)) - origin;
     const Cubic& z = segment.elevation_m;
     const auto above = [&](double k) {
-      const auto c = Lib::road_project(origin.x + k * along.x, origin.y + k * along.y, segment.slope_start, segment.slope_end);
+      const auto c =
+          Lib::road_project(origin.x + k * along.x, origin.y + k * along.y, segment.slope_start, segment.slope_end);
       return camera.position_m.z + k * ray.z - z.value(arc_at(segment, c.u));
     };
     // The part of the ray over the segment's own surroundings, sampled for a change of sign, then bisected: slow,
@@ -68,7 +69,8 @@ std::optional<Hit> cast(const Network& network, const Camera& camera, double px,
       k1 = std::min(k1, std::max(a, b));
       return true;
     };
-    if (!clip(origin.x, along.x, -reach, 1 + reach) || !clip(origin.y, along.y, quad.y_low, quad.y_high) || k0 >= k1) continue;
+    if (!clip(origin.x, along.x, -reach, 1 + reach) || !clip(origin.y, along.y, quad.y_low, quad.y_high) || k0 >= k1)
+      continue;
     constexpr int kSteps = 64;
     double before = above(k0);
     for (int i = 1; i <= kSteps; ++i) {
@@ -107,7 +109,8 @@ class RendererTest : public test::GlTest, public testing::WithParamInterface<boo
     EXPECT_TRUE(renderer.ok()) << renderer.error().text();
     return std::move(*renderer);
   }
-  static Frame draw(Renderer& renderer, const Network& network, const Camera& camera, unsigned channels = kAllChannels) {
+  static Frame draw(Renderer& renderer, const Network& network, const Camera& camera,
+                    unsigned channels = kAllChannels) {
     EXPECT_TRUE(renderer.load_roads(network).ok());
     auto frame = renderer.render(camera, {.width = kWidth, .height = kHeight, .channels = channels});
     EXPECT_TRUE(frame.ok());
@@ -148,7 +151,8 @@ TEST_P(RendererTest, EveryPixelAgreesWithTheRayCastInDouble) {
           ++on_road;
           worst_depth = std::max(worst_depth, std::abs(frame.depth_m.at(x, y, 0) - hit->depth_m) / hit->depth_m);
           worst_s = std::max(worst_s, std::abs(frame.road.at(x, y, 1) - hit->s_m) / (1 + hit->depth_m));
-          worst_t = std::max(worst_t, std::abs(frame.road.at(x, y, 2) - hit->t_m) / std::max(hit->depth_m * pixel, 1e-3));
+          worst_t =
+              std::max(worst_t, std::abs(frame.road.at(x, y, 2) - hit->t_m) / std::max(hit->depth_m * pixel, 1e-3));
         }
       }
     }
@@ -174,7 +178,8 @@ TEST_P(RendererTest, DepthUnprojectedLiesOnTheRoadThatTheQueryNames) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       if (frame.road.at(x, y, 0) < 0 || frame.depth_m.at(x, y, 0) > 60) continue;
-      const glm::dvec3 p = camera.position_m + static_cast<double>(frame.depth_m.at(x, y, 0)) * pixel_ray(camera, kWidth, kHeight, x, y);
+      const glm::dvec3 p =
+          camera.position_m + static_cast<double>(frame.depth_m.at(x, y, 0)) * pixel_ray(camera, kWidth, kHeight, x, y);
       const auto found = index.to_road(p, 0.05);
       ASSERT_TRUE(found) << x << ", " << y;
       EXPECT_NEAR(found->s_m, frame.road.at(x, y, 1), 5e-3) << x << ", " << y;
@@ -220,8 +225,10 @@ TEST_F(RendererTest, AnEmptySceneIsSkyAndInfiniteDepth) {
   Camera camera;
   camera.pitch_deg = 20;
   const Frame frame = draw(*renderer_, Network{}, camera);
-  EXPECT_TRUE(std::all_of(frame.depth_m.pixels.begin(), frame.depth_m.pixels.end(), [](float d) { return std::isinf(d); }));
-  EXPECT_TRUE(std::all_of(frame.label.pixels.begin(), frame.label.pixels.end(), [](std::uint32_t l) { return l == 0; }));
+  EXPECT_TRUE(
+      std::all_of(frame.depth_m.pixels.begin(), frame.depth_m.pixels.end(), [](float d) { return std::isinf(d); }));
+  EXPECT_TRUE(
+      std::all_of(frame.label.pixels.begin(), frame.label.pixels.end(), [](std::uint32_t l) { return l == 0; }));
   EXPECT_GT(frame.color.pixels[2], frame.color.pixels[0]);  // blue
 }
 

@@ -19,19 +19,30 @@ std::string compute_shader(const std::vector<std::string>& files, const std::str
   std::string text;
   for (const std::string& file : files) text += "#include \"" + file + "\"\n";
   const std::string in = std::to_string(inputs), out = std::to_string(outputs);
-  text += "layout(local_size_x = " + std::to_string(kGroupSize) + ") in;\n"
+  text += "layout(local_size_x = " + std::to_string(kGroupSize) +
+          ") in;\n"
           "layout(std430, binding = 0) readonly buffer Inputs { float inputs[]; };\n"
           "layout(std430, binding = 1) writeonly buffer Outputs { float outputs[]; };\n"
           "uniform uint rows;\n"
-          "void evaluate_row(in float x[" + in + "], out float y[" + out + "]) {\n" + body + "\n}\n"
+          "void evaluate_row(in float x[" +
+          in + "], out float y[" + out + "]) {\n" + body +
+          "\n}\n"
           "void main() {\n"
           "  uint row = gl_GlobalInvocationID.x;\n"
           "  if (row >= rows) return;\n"
-          "  float x[" + in + "];\n"
-          "  float y[" + out + "];\n"
-          "  for (uint i = 0u; i < " + in + "u; ++i) x[i] = inputs[row * " + in + "u + i];\n"
+          "  float x[" +
+          in +
+          "];\n"
+          "  float y[" +
+          out +
+          "];\n"
+          "  for (uint i = 0u; i < " +
+          in + "u; ++i) x[i] = inputs[row * " + in +
+          "u + i];\n"
           "  evaluate_row(x, y);\n"
-          "  for (uint i = 0u; i < " + out + "u; ++i) outputs[row * " + out + "u + i] = y[i];\n"
+          "  for (uint i = 0u; i < " +
+          out + "u; ++i) outputs[row * " + out +
+          "u + i] = y[i];\n"
           "}\n";
   return text;
 }
@@ -111,8 +122,8 @@ void check_case(const std::vector<std::string>& files, const FunctionCase& funct
     function.sample(random, row.data());
     for (const double value : row) x.push_back(static_cast<float>(value));
   }
-  const Result<std::vector<float>> y = evaluate(files, function.body.glsl, x, function.body.inputs,
-                                                function.body.outputs);
+  const Result<std::vector<float>> y =
+      evaluate(files, function.body.glsl, x, function.body.inputs, function.body.outputs);
   ASSERT_TRUE(y.ok()) << y.error().text();
 
   Worst worst;

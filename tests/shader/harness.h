@@ -65,7 +65,9 @@ struct FunctionCase {
 void PrintTo(const FunctionCase& function, std::ostream* out);
 
 // Sampler of independent inputs, each uniform in its range.
-struct InputRange { double low, high; };
+struct InputRange {
+  double low, high;
+};
 std::function<void(Random&, double* x)> uniform_inputs(std::vector<InputRange> ranges);
 
 // Evaluates the case over `rows` random rows in the current context, asserts its limits and prints what was measured.
@@ -73,20 +75,20 @@ void check_case(const std::vector<std::string>& files, const FunctionCase& funct
 
 }  // namespace roadgen::test
 
-#define SHADER_CASE(name, input_count, output_count, ...)                                                     \
-  struct name##Exact : ::roadgen::glsl::Library<double> {                                                     \
-    using Real = double;                                                                                      \
-    static void run(const Real* x, Real* y) {                                                                 \
-      using namespace ::roadgen::glsl;                                                                        \
-      __VA_ARGS__                                                                                             \
-    }                                                                                                         \
-  };                                                                                                          \
-  struct name##Single : ::roadgen::glsl::Library<::roadgen::glsl::Float32> {                                  \
-    using Real = ::roadgen::glsl::Float32;                                                                    \
-    static void run(const Real* x, Real* y) {                                                                 \
-      using namespace ::roadgen::glsl;                                                                        \
-      __VA_ARGS__                                                                                             \
-    }                                                                                                         \
-  };                                                                                                          \
-  constexpr ::roadgen::test::ShaderBody name{input_count, output_count, #__VA_ARGS__, name##Exact::run,       \
+#define SHADER_CASE(name, input_count, output_count, ...)                                               \
+  struct name##Exact : ::roadgen::glsl::Library<double> {                                               \
+    using Real = double;                                                                                \
+    static void run(const Real* x, Real* y) {                                                           \
+      using namespace ::roadgen::glsl;                                                                  \
+      __VA_ARGS__                                                                                       \
+    }                                                                                                   \
+  };                                                                                                    \
+  struct name##Single : ::roadgen::glsl::Library<::roadgen::glsl::Float32> {                            \
+    using Real = ::roadgen::glsl::Float32;                                                              \
+    static void run(const Real* x, Real* y) {                                                           \
+      using namespace ::roadgen::glsl;                                                                  \
+      __VA_ARGS__                                                                                       \
+    }                                                                                                   \
+  };                                                                                                    \
+  constexpr ::roadgen::test::ShaderBody name{input_count, output_count, #__VA_ARGS__, name##Exact::run, \
                                              name##Single::run};

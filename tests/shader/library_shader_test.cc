@@ -70,14 +70,14 @@ const FunctionCase kCases[] = {
     {"surface_height", Height, height_inputs, 1.7e-6},
     {"surface_intersect", Intersect, ray_inputs, 4.6e-6, 28},  // z of metres over sin 10 degrees, and its inverse
     {"marking_stripe", Stripe, uniform_inputs({{-5, 5}, {-5, 5}, {0.1, 0.5}, {0.01, 2}}), 3.3e-5},  // divides by 1 cm
-    {"marking_dash", Dash, uniform_inputs({{0, 40}, {0.02, 20}}), 3.1e-4},  // likewise, by 2 cm of 40 m
+    {"marking_dash", Dash, uniform_inputs({{0, 40}, {0.02, 20}}), 3.1e-4},            // likewise, by 2 cm of 40 m
     {"noise_value", NoiseValue, uniform_inputs({{-200, 200}, {-200, 200}}), 2.7e-6},  // 200 m / 2 m in 24 bits
     {"noise_value_slope", NoiseSlope, uniform_inputs({{-200, 200}, {-200, 200}}), 3.6e-6},
     {"noise_fractal", NoiseFractal, uniform_inputs({{-200, 200}, {-200, 200}, {0, 4}}), 3.4e-6},
     {"sky_gradient", Sky, uniform_inputs({{-1, 1}, {-1, 1}}), 6e-7},  // pow of the driver
-    {"sky_light", Light, uniform_inputs({{-1, 1}, {0, 20}, {0, 30000}, {0.9995, 1}}), 5.3e-4, 5},  // the sun's rim: / 1e-4
-    {"ground_albedo", Ground,
-     uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
+    {"sky_light", Light, uniform_inputs({{-1, 1}, {0, 20}, {0, 30000}, {0.9995, 1}}), 5.3e-4,
+     5},  // the sun's rim: / 1e-4
+    {"ground_albedo", Ground, uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
     {"ground_asphalt", Asphalt, uniform_inputs({{0, 1}, {-1, 1}, {-1, 1}}), 1e-7},
 };
 
@@ -85,8 +85,9 @@ class LibraryShader : public GlTest, public ::testing::WithParamInterface<Functi
 
 TEST_P(LibraryShader, MatchesDoublePrecision) {
   if (!make_context(ContextKind::kOsmesa)) return;
-  check_case({"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl", "lib/ground.glsl"},
-             GetParam(), 100000);
+  check_case(
+      {"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl", "lib/ground.glsl"},
+      GetParam(), 100000);
 }
 
 INSTANTIATE_TEST_SUITE_P(, LibraryShader, ::testing::ValuesIn(kCases),

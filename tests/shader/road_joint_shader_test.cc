@@ -44,8 +44,8 @@ Joint random_joint(Random& random) {
 void append_segment(const Segment& segment, std::vector<float>& x) {
   const double length = segment.chord_length_m();
   const glm::dvec2 chord = segment.chord_m() / length;
-  for (const double value : {segment.start_m.x, segment.start_m.y, chord.x, chord.y, length, segment.slope_start,
-                             segment.slope_end}) {
+  for (const double value :
+       {segment.start_m.x, segment.start_m.y, chord.x, chord.y, length, segment.slope_start, segment.slope_end}) {
     x.push_back(static_cast<float>(value));
   }
 }

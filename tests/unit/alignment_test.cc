@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "roadgen/fit/catmull_rom.h"
 
@@ -164,9 +164,8 @@ void expect_true_cause(const std::vector<Anchor>& anchors, const AlignmentOption
     return k;
   };
   const double radius = tightest_radius_m(anchors[i], anchors[j], headings[place(i)], headings[place(j)]);
-  const double width = options.tight == TightPolicy::kError
-                           ? std::max(anchors[i].half_width_m, anchors[j].half_width_m)
-                           : kLeastHalfWidth_m;
+  const double width = options.tight == TightPolicy::kError ? std::max(anchors[i].half_width_m, anchors[j].half_width_m)
+                                                            : kLeastHalfWidth_m;
   // The mapping wants 5 % more than the half width, and a piece may be that much tighter than the curve.
   EXPECT_LT(radius, 1.15 * width) << error.text();
 }

@@ -31,8 +31,8 @@ TEST(AtomicFile, WhatCannotBeWrittenIsAnErrorThatNamesIt) {
   const test::TemporaryFolder folder;
   const std::string file = folder.put("file", "x");
   std::filesystem::create_directory(folder.path("sub"));
-  for (const std::string& path : {folder.path("none/out"), file + "/out", folder.path("sub"),
-                                  std::string("/dev/null"), std::string()}) {
+  for (const std::string& path :
+       {folder.path("none/out"), file + "/out", folder.path("sub"), std::string("/dev/null"), std::string()}) {
     for (const Status& status : {check_writable(path), write_file(path, "text")}) {
       ASSERT_FALSE(status.ok()) << path;
       EXPECT_EQ(status.error().code, ErrorCode::kIo);

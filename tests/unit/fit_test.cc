@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "roadgen/fit/fit.h"
 #include "roadgen/fit/least_squares.h"

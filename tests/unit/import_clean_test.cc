@@ -163,12 +163,7 @@ TEST(Clean, JitterIsDroppedFromRecordedTracksOnly) {
 
 TEST(Clean, ZeroAndVoidHeightsAreInterpolatedOverDistance) {
   Made m = made();
-  m.add(0, 0, 0.0)
-      .add(10, 0, 500.0)
-      .add(20, 0, -32768.0)
-      .add(50, 0, 0.0)
-      .add(60, 0, 505.0)
-      .add(70, 0, -9999.0);
+  m.add(0, 0, 0.0).add(10, 0, 500.0).add(20, 0, -32768.0).add(50, 0, 0.0).add(60, 0, 505.0).add(70, 0, -9999.0);
   Diagnostics diagnostics;
   const auto tracks = cleaned(m, diagnostics);
   const auto& p = tracks[0].points;

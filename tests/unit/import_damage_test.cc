@@ -22,18 +22,10 @@ std::string damaged(std::string text, std::mt19937& random) {
   const auto at = [&] { return random() % text.size(); };
   for (unsigned i = 0; i < 1 + random() % 4 && !text.empty(); ++i) {
     switch (random() % 4) {
-      case 0:
-        text[at()] = static_cast<char>(random());
-        break;
-      case 1:
-        text.insert(at(), kOdd[random() % std::size(kOdd)]);
-        break;
-      case 2:
-        text.erase(at(), random() % 12);
-        break;
-      default:
-        text.replace(at(), 1, kOdd[random() % std::size(kOdd)]);
-        break;
+      case 0: text[at()] = static_cast<char>(random()); break;
+      case 1: text.insert(at(), kOdd[random() % std::size(kOdd)]); break;
+      case 2: text.erase(at(), random() % 12); break;
+      default: text.replace(at(), 1, kOdd[random() % std::size(kOdd)]); break;
     }
   }
   return text;
@@ -44,16 +36,13 @@ TEST(Damage, OpenDriveGivesANetworkOrAnError) {
   network.georeference = Georeference{50, 11, 0};
   Road road;
   road.id = "1";
-  road.segments = {make_segment({0, 0}, {100, 0}, 0.1, -0.1, 3.5),
-                   make_segment({100, 0}, {180, -20}, -0.1, -0.3, 3.5)};
+  road.segments = {make_segment({0, 0}, {100, 0}, 0.1, -0.1, 3.5), make_segment({100, 0}, {180, -20}, -0.1, -0.3, 3.5)};
   chain_arc_lengths(road);
   Road loop;
   loop.id = "2";
   loop.closed = true;
   for (int i = 0; i < 4; ++i) {
-    const auto corner = [](int k) {
-      return glm::dvec2(100 * std::cos(M_PI_2 * k), 100 * std::sin(M_PI_2 * k));
-    };
+    const auto corner = [](int k) { return glm::dvec2(100 * std::cos(M_PI_2 * k), 100 * std::sin(M_PI_2 * k)); };
     loop.segments.push_back(make_segment(corner(i), corner(i + 1), M_PI_2 * (i + 1), M_PI_2 * (i + 2), 3.5));
   }
   loop.segments.back().end_m = loop.segments.front().start_m;
@@ -87,8 +76,8 @@ TEST(Damage, TablesAndTracksGiveFinitePointsOrAnError) {
   std::mt19937 random(2);
   for (int i = 0; i < kRounds; ++i) {
     Diagnostics diagnostics;
-    for (const auto& tracks : {parse_csv(damaged(csv, random), "f", diagnostics),
-                               parse_gpx(damaged(gpx, random), "f", diagnostics)}) {
+    for (const auto& tracks :
+         {parse_csv(damaged(csv, random), "f", diagnostics), parse_gpx(damaged(gpx, random), "f", diagnostics)}) {
       if (!tracks) {
         EXPECT_EQ(tracks.error().file, "f");
         continue;

@@ -36,9 +36,9 @@ TEST(LocalFrame, IsTheEllipsoidalOrthographicProjectionOnTheSurface) {
   OGRSpatialReference wgs84, ortho;
   wgs84.SetWellKnownGeogCS("WGS84");
   wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  ASSERT_EQ(ortho.SetFromUserInput(
-                "+proj=ortho +lat_0=43.737 +lon_0=7.426 +x_0=0 +y_0=0 +ellps=WGS84 +units=m +no_defs"),
-            OGRERR_NONE);
+  ASSERT_EQ(
+      ortho.SetFromUserInput("+proj=ortho +lat_0=43.737 +lon_0=7.426 +x_0=0 +y_0=0 +ellps=WGS84 +units=m +no_defs"),
+      OGRERR_NONE);
   OGRCoordinateTransformation* transform = OGRCreateCoordinateTransformation(&wgs84, &ortho);
   ASSERT_NE(transform, nullptr);
   for (double d = -0.3; d <= 0.3; d += 0.05) {
@@ -54,8 +54,7 @@ TEST(LocalFrame, IsTheEllipsoidalOrthographicProjectionOnTheSurface) {
 TEST(LocalFrame, LengthDistortionBoundsWhatALevelLengthLoses) {
   const LocalFrame frame({45, 10, 0});
   const double north_deg = 45.9, step_deg = 1e-4;
-  const glm::dvec3 a = frame.to_local_m({north_deg, 10, 0}),
-                   b = frame.to_local_m({north_deg + step_deg, 10, 0});
+  const glm::dvec3 a = frame.to_local_m({north_deg, 10, 0}), b = frame.to_local_m({north_deg + step_deg, 10, 0});
   const double seen = glm::length(glm::dvec2(b) - glm::dvec2(a)), real = glm::length(b - a);
   EXPECT_GT(1 - seen / real, 0);
   EXPECT_NEAR(1 - seen / real, length_distortion(a.y), 0.02 * length_distortion(a.y));

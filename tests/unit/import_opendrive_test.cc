@@ -17,14 +17,13 @@ namespace {
 // A road that wanders, or a loop, far from the origin; heights and widths vary.
 Road random_road(std::mt19937& random, bool closed) {
   std::uniform_real_distribution<double> unit(0, 1);
-  const glm::dvec2 centre =
-      (glm::dvec2(unit(random), unit(random)) - 0.5) * std::pow(10.0, 1 + 6 * unit(random));
+  const glm::dvec2 centre = (glm::dvec2(unit(random), unit(random)) - 0.5) * std::pow(10.0, 1 + 6 * unit(random));
   std::vector<Anchor> anchors;
   const int count = 8 + static_cast<int>(12 * unit(random));
   for (int i = 0; i < count; ++i) {
     const double angle = 2 * std::numbers::pi * i / count, radius = 300 * (1 + 0.2 * unit(random));
-    const glm::dvec2 p = closed ? radius * glm::dvec2(std::cos(angle), std::sin(angle))
-                                : glm::dvec2(100.0 * i, 40 * unit(random));
+    const glm::dvec2 p =
+        closed ? radius * glm::dvec2(std::cos(angle), std::sin(angle)) : glm::dvec2(100.0 * i, 40 * unit(random));
     anchors.push_back({centre + p, 2000 * unit(random), 3 + unit(random)});
   }
   AlignmentOptions options;
@@ -40,8 +39,7 @@ Network random_network(unsigned seed) {
   std::uniform_real_distribution<double> unit(-1, 1);
   Network network;
   network.name = "a <b> & \"c\" \xC3\xBC";
-  if (seed % 3 != 0)
-    network.georeference = Georeference{90 * unit(random), 180 * unit(random), 1000 * unit(random)};
+  if (seed % 3 != 0) network.georeference = Georeference{90 * unit(random), 180 * unit(random), 1000 * unit(random)};
   for (int i = 0; i < 3; ++i) {
     Road road = random_road(random, (seed + i) % 2 == 0);
     road.id = std::to_string(i + 1);
@@ -130,10 +128,8 @@ TEST(ParamPoly3, AGraphOverItsChordIsReadInEveryTurnAndRange) {
   for (int i = 0; i < 200; ++i) {
     const double a = slope(random), b = slope(random), length = 1 + std::abs(metre(random));
     // (x, f(x)) over a chord of that length along x.
-    ParametricCubic curve{{metre(random), metre(random)},
-                          {length, a * length},
-                          {0, -(2 * a + b) * length},
-                          {0, (a + b) * length}};
+    ParametricCubic curve{
+        {metre(random), metre(random)}, {length, a * length}, {0, -(2 * a + b) * length}, {0, (a + b) * length}};
     curve = curve.rescaled(1 / length).rescaled(length).turned(angle(random));
     const Result<Segment> segment = segment_from_cubic(curve);
     ASSERT_TRUE(segment.ok()) << segment.error().message;
@@ -219,9 +215,8 @@ TEST(OpenDrive, DamageIsAnErrorWithFileAndLine) {
       {changed("id=\"7\"", "id=\"\""), 4, "id"},
       {changed("b=\"0.1\"", "b=\"inf\""), 10, "finite"},
       {changed("b=\"0.1\"", "b=\"1e9\""), 10, "1e6"},
-      {changed("</elevationProfile>",
-               "<elevation s=\"50\" a=\"1\" b=\"0\" c=\"0\" d=\"0\"/></elevationProfile>"),
-       11, "within a geometry"},
+      {changed("</elevationProfile>", "<elevation s=\"50\" a=\"1\" b=\"0\" c=\"0\" d=\"0\"/></elevationProfile>"), 11,
+       "within a geometry"},
       {changed("<lanes>",
                "<lateralProfile><superelevation s=\"0\" a=\"0.1\" b=\"0\" c=\"0\" "
                "d=\"0\"/></lateralProfile><lanes>"),

@@ -28,8 +28,7 @@ bool mentions(const Diagnostics& diagnostics, const std::string& what) {
 
 TEST(Import, FilesShareOneFrameAboutTheirCommonCentre) {
   const TemporaryFolder folder;
-  const std::string a =
-      folder.put("a.csv", "lat,lon,height\n50,11,300\n50.0000007,11.003,300\n50,11.006,300\n");
+  const std::string a = folder.put("a.csv", "lat,lon,height\n50,11,300\n50.0000007,11.003,300\n50,11.006,300\n");
   const std::string b = folder.put("b.csv", "lat,lon\n50.01,11\n50.01,11.005\n");
   const ImportResult result = imported({a, b});
   ASSERT_EQ(result.network.roads.size(), 2u);
@@ -38,8 +37,7 @@ TEST(Import, FilesShareOneFrameAboutTheirCommonCentre) {
   EXPECT_EQ(result.network.georeference->latitude_deg, 50.005);
   EXPECT_EQ(result.network.georeference->longitude_deg, 11.003);
   EXPECT_EQ(result.network.georeference->height_m, 0);
-  const Segment &first = result.network.roads[0].segments.front(),
-                &second = result.network.roads[1].segments.front();
+  const Segment &first = result.network.roads[0].segments.front(), &second = result.network.roads[1].segments.front();
   EXPECT_NEAR(second.start_m.y - first.start_m.y, 0.01 * 111229, 1);
   EXPECT_NEAR(first.elevation_m.c0, 300, 0.1);
 }

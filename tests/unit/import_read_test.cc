@@ -42,8 +42,7 @@ TEST(TextFile, LinesAreCountedFromOne) {
 
 TEST(TextFile, OnlyWellFormedUtf8Passes) {
   EXPECT_TRUE(check_utf8("Z\xC3\xBCrich \xE2\x82\xAC \xF0\x9F\x8F\x81", "f").ok());
-  for (const char* bad :
-       {"\xC3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xFF", "a\x80"}) {
+  for (const char* bad : {"\xC3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xFF", "a\x80"}) {
     const Status status = check_utf8(std::string("one\ntwo\n") + bad, "f");
     ASSERT_FALSE(status.ok());
     EXPECT_EQ(status.error().line, 3);
@@ -54,8 +53,7 @@ TEST(Csv, ColumnsComeInAnyOrderCaseAndSeparator) {
   for (const char* text :
        {"lat,lon,height,width\n1,2,3,4\n", "Longitude;LATITUDE;ele;W\r\n2;1;3;4\r\n",
         "width\talt\tlng\tlat\n4\t3\t2\t1\n", "\xEF\xBB\xBFlat, lon, z, width_m\n 1, 2, 3, 4",
-        "# made by hand\n# lat,lon,h,w\n# comment\n\n1,2,3,4\n",
-        "\"lat\",\"lon\",\"h\",\"w\"\n1,\"2\",3,4\n"}) {
+        "# made by hand\n# lat,lon,h,w\n# comment\n\n1,2,3,4\n", "\"lat\",\"lon\",\"h\",\"w\"\n1,\"2\",3,4\n"}) {
     const Track track = good_csv(text);
     ASSERT_EQ(track.points.size(), 1u) << text;
     EXPECT_TRUE(track.geodetic);
@@ -73,8 +71,7 @@ TEST(Csv, ColumnsComeInAnyOrderCaseAndSeparator) {
 
 TEST(Csv, EmptyCellsAndUnknownColumnsAreToldNotGuessed) {
   Diagnostics diagnostics;
-  const Track track =
-      good_csv("lat,lon,height,speed\n1,2,,9\n,2,3,9\nnan,2,3,9\n1,inf,3,9\n4,5,6,9\n", &diagnostics);
+  const Track track = good_csv("lat,lon,height,speed\n1,2,,9\n,2,3,9\nnan,2,3,9\n1,inf,3,9\n4,5,6,9\n", &diagnostics);
   ASSERT_EQ(track.points.size(), 2u);
   EXPECT_FALSE(track.points[0].height_m.has_value());
   ASSERT_EQ(diagnostics.size(), 2u);

@@ -112,17 +112,16 @@ TEST(Includes, OpenGlStaysInRenderPickAndDemo) {
 TEST(Includes, NoHeaderShowsThirdPartyTypes) {
   for (const Include& include : includes()) {
     if (!include.in_header || include.folder.empty()) continue;
-    EXPECT_FALSE(is_of(include.header, {"ceres/", "Eigen/", "gdal", "ogr", "cpl_", "OpenImageIO/",
-                                        "GeographicLib/", "embree3/", "pugixml", "osmium/", "nlohmann/",
-                                        "CLI/", "geos", "tbb/", "spdlog/", "fmt/"}))
+    EXPECT_FALSE(
+        is_of(include.header, {"ceres/", "Eigen/", "gdal", "ogr", "cpl_", "OpenImageIO/", "GeographicLib/", "embree3/",
+                               "pugixml", "osmium/", "nlohmann/", "CLI/", "geos", "tbb/", "spdlog/", "fmt/"}))
         << include.file << ": " << include.header;
   }
 }
 
 TEST(Includes, FileReadersStayInTheirModules) {
   for (const Include& include : includes()) {
-    const auto only_in = [&](std::initializer_list<const char*> prefixes,
-                             std::initializer_list<const char*> folders) {
+    const auto only_in = [&](std::initializer_list<const char*> prefixes, std::initializer_list<const char*> folders) {
       EXPECT_TRUE(!is_of(include.header, prefixes) || is_of(include.file, folders))
           << include.file << ": " << include.header;
     };

@@ -5,8 +5,8 @@
 #include <random>
 #include <thread>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "tests/unit/terrain_scenes.h"
 
@@ -29,9 +29,9 @@ Network random_network() {
         [=](double s) {
           // A circle of 150 to 340 m radius, each at a place of its own.
           const double radius = 150 + 10 * i, angle = phase + s / radius;
-          return testing::Station{glm::dvec2(1000.0 * (i % 5), 1000.0 * (i / 5)) +
-                                      radius * glm::dvec2(std::cos(angle), std::sin(angle)),
-                                  angle + std::numbers::pi / 2};
+          return testing::Station{
+              glm::dvec2(1000.0 * (i % 5), 1000.0 * (i / 5)) + radius * glm::dvec2(std::cos(angle), std::sin(angle)),
+              angle + std::numbers::pi / 2};
         },
         [=](double s) { return 0.05 * s + i; }));
   }
@@ -123,9 +123,18 @@ TEST(RoadIndex, AgreesWithTryingEverySegment) {
 TEST(RoadIndex, HeightTellsABridgeFromTheRoadBelow) {
   Network network;
   const auto level = [](double z) { return [z](double) { return z; }; };
-  network.roads.push_back(road_along("below", 100, 25, 3, [](double s) { return straight({-50, 0}, 0, s); }, level(0)));
-  network.roads.push_back(
-      road_along("above", 100, 25, 3, [](double s) { return straight({0, -50}, std::numbers::pi / 2, s); }, level(6)));
+  network.roads.push_back(road_along(
+      "below", 100, 25, 3,
+      [](double s) {
+        return straight({-50, 0}, 0, s);
+      },
+      level(0)));
+  network.roads.push_back(road_along(
+      "above", 100, 25, 3,
+      [](double s) {
+        return straight({0, -50}, std::numbers::pi / 2, s);
+      },
+      level(6)));
   const RoadIndex index(network);
   EXPECT_EQ(index.to_road(glm::dvec3(0.5, 1, 0.3), 10)->at.road, 0u);
   EXPECT_EQ(index.to_road(glm::dvec3(0.5, 1, 5.8), 10)->at.road, 1u);
@@ -138,8 +147,12 @@ TEST(RoadIndex, HeightTellsABridgeFromTheRoadBelow) {
 
 TEST(RoadIndex, BeyondAnOpenEndTheEndAnswers) {
   Network network;
-  network.roads.push_back(
-      road_along("r", 100, 25, 3, [](double s) { return straight({0, 0}, 0, s); }, [](double) { return 0.0; }));
+  network.roads.push_back(road_along(
+      "r", 100, 25, 3,
+      [](double s) {
+        return straight({0, 0}, 0, s);
+      },
+      [](double) { return 0.0; }));
   const RoadIndex index(network);
   const auto found = index.to_road(glm::dvec2(103, 4), 10);
   ASSERT_TRUE(found);

@@ -56,8 +56,8 @@ TEST(RoadFunction, OffsetLinesMeetAtJointsExactly) {
   for (int i = 0; i < kJoints; ++i) {
     const End e = ends.next();
     const double v = ends.offset(e.width);
-    for (const Lib::RoadCoord c : {Lib::road_project_paper(e.x(v), e.y(v), e.a, e.b),
-                                   Lib::road_project(e.x(v), e.y(v), e.a, e.b)}) {
+    for (const Lib::RoadCoord c :
+         {Lib::road_project_paper(e.x(v), e.y(v), e.a, e.b), Lib::road_project(e.x(v), e.y(v), e.a, e.b)}) {
       ASSERT_NEAR(c.v, v, 1e-12);
       ASSERT_NEAR(c.u, e.at_start ? 0 : 1, 1e-12);
     }
@@ -151,8 +151,8 @@ TEST(RoadFunction, ErrorsAreThoseOfTheDesignTable) {
                                                             {0.25, -0.25, 0.2, 4.8e-5, 3.1e-11, 6.5e-3, 5.3e-6}}};
   for (const auto& [a, b, width, v_paper, v_step, u_paper, u_step] : kTable) {
     const double slope_a = a, slope_b = b;
-    const Errors paper = worst_errors(
-        a, b, width, [&](double x, double y) { return Lib::road_project_paper(x, y, slope_a, slope_b); });
+    const Errors paper =
+        worst_errors(a, b, width, [&](double x, double y) { return Lib::road_project_paper(x, y, slope_a, slope_b); });
     const Errors step = worst_errors(a, b, width, [&](double x, double y) {
       const double u1 = Lib::road_project_paper(x, y, slope_a, slope_b).u;
       const double u = Lib::road_newton(u1, x, y, slope_a, slope_b);
@@ -180,11 +180,17 @@ TEST(RoadFunction, SimplerApproximationIsWorseOnStrongBends) {
     for (int i = 0; i < kBends; ++i) {
       const double a = slope(random), b = sign * slope(random), width = sign > 0 ? 0.2 : 0.3;
       const double first =
-          worst_errors(a, b, width, [&](double x, double y) { return Lib::road_project_paper(x, y, a, b); }, 60, 8).v;
-      const double second = worst_errors(a, b, width, [&](double x, double y) {
-                              const double u = Lib::road_u2(x, y, a, b);
-                              return Lib::RoadCoord{u, Lib::road_v(u, x, y, a, b)};
-                            }, 60, 8).v;
+          worst_errors(
+              a, b, width, [&](double x, double y) { return Lib::road_project_paper(x, y, a, b); }, 60, 8)
+              .v;
+      const double second = worst_errors(
+                                a, b, width,
+                                [&](double x, double y) {
+                                  const double u = Lib::road_u2(x, y, a, b);
+                                  return Lib::RoadCoord{u, Lib::road_v(u, x, y, a, b)};
+                                },
+                                60, 8)
+                                .v;
       sum1 += first, sum2 += second;
       better += first < second;
     }

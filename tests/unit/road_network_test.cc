@@ -4,8 +4,8 @@
 #include <limits>
 #include <string>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "roadgen/road/network.h"
 
@@ -119,7 +119,10 @@ TEST(Check, FindsEveryPlantedFault) {
       {"heading gap", [](Road& r) { r.segments[4].slope_start += 1e-6; }},
       {"elevation gap", [](Road& r) { r.segments[4].elevation_m.c0 += 1e-3; }},
       {"width gap", [](Road& r) { r.segments[4].half_width_m.c0 += 1e-3; }},
-      {"width is not positive", [](Road& r) { r.segments[4].half_width_m = {0.5, -1, 0, 0}; }},
+      {"width is not positive",
+       [](Road& r) {
+         r.segments[4].half_width_m = {0.5, -1, 0, 0};
+       }},
       {"not finite", [](Road& r) { r.segments[4].elevation_m.c2 = std::numeric_limits<double>::quiet_NaN(); }},
       {"no length", [](Road& r) { r.segments[4].end_m = r.segments[4].start_m; }},
       {"no segments", [](Road& r) { r.segments.clear(); }},

@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "roadgen/road/segment.h"
 
@@ -139,8 +139,8 @@ TEST(ArcLength, IsExactAtBothEndsInValueAndSlope) {
     ASSERT_NEAR(s.arc_m, simpson_arc(s, 1), 1e-11 * length);
     ASSERT_EQ(arc_at(s, 0), 0);
     ASSERT_NEAR(arc_at(s, 1), s.arc_m, 1e-14 * s.arc_m);
-    ASSERT_NEAR(Lib::road_darc(0, s.slope_start, s.slope_end, arc, s.arc_c0, s.arc_c1),
-                std::hypot(1, s.slope_start), 1e-14);
+    ASSERT_NEAR(Lib::road_darc(0, s.slope_start, s.slope_end, arc, s.arc_c0, s.arc_c1), std::hypot(1, s.slope_start),
+                1e-14);
     ASSERT_NEAR(Lib::road_darc(1, s.slope_start, s.slope_end, arc, s.arc_c0, s.arc_c1), std::hypot(1, s.slope_end),
                 1e-14);
   }

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "roadgen/import/local_frame.h"
 #include "terrain/natural.h"
@@ -24,8 +24,12 @@ constexpr double kEarth_m = 6.38e6;
 Network road_at(Georeference origin, double length_m = 200) {
   Network network;
   network.georeference = origin;
-  network.roads.push_back(road_along("r", length_m, 25, 3, [](double s) { return straight({0, 0}, 0.3, s); },
-                                     [](double) { return 0.0; }));
+  network.roads.push_back(road_along(
+      "r", length_m, 25, 3,
+      [](double s) {
+        return straight({0, 0}, 0.3, s);
+      },
+      [](double) { return 0.0; }));
   return network;
 }
 
@@ -102,9 +106,9 @@ TEST(Elevation, VoidsAreFilledFromAroundAndCounted) {
     return std::to_string(100 + x + 2 * y);
   };
   Diagnostics diagnostics;
-  const auto elevation = Elevation::open(
-      write_ascii_grid(scratch_folder() + "/holes.asc", {1000, 1000}, 10, 30, 25,
-                       [&](double x, double y) { return post(x - 1000, y - 1000); }), &diagnostics);
+  const auto elevation = Elevation::open(write_ascii_grid(scratch_folder() + "/holes.asc", {1000, 1000}, 10, 30, 25,
+                                                          [&](double x, double y) { return post(x - 1000, y - 1000); }),
+                                         &diagnostics);
   ASSERT_TRUE(elevation) << elevation.error().text();
   EXPECT_EQ(elevation->voids_filled(), static_cast<std::size_t>(holes));
   ASSERT_EQ(diagnostics.size(), 1u);
@@ -116,8 +120,9 @@ TEST(Elevation, VoidsAreFilledFromAroundAndCounted) {
 
 TEST(Elevation, DegreesWithoutACoordinateSystemAreTakenForWgs84AndSaid) {
   Diagnostics diagnostics;
-  const auto elevation = Elevation::open(write_ascii_grid(scratch_folder() + "/d.asc", {8, 46}, 0.001, 50, 50,
-                                                          [](double, double) { return 5.0; }), &diagnostics);
+  const auto elevation = Elevation::open(
+      write_ascii_grid(scratch_folder() + "/d.asc", {8, 46}, 0.001, 50, 50, [](double, double) { return 5.0; }),
+      &diagnostics);
   ASSERT_TRUE(elevation);
   EXPECT_TRUE(elevation->is_geographic());
   ASSERT_EQ(diagnostics.size(), 1u);
@@ -134,8 +139,8 @@ TEST(Elevation, BadFilesAreErrorsThatNameThem) {
   const auto text = Elevation::open(folder + "/text.tif");
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().code, ErrorCode::kParse);
-  const auto voids = Elevation::open(write_ascii_grid(folder + "/void.asc", {0, 0}, 10, 5, 5,
-                                                      [](double, double) { return -9999.0; }));
+  const auto voids =
+      Elevation::open(write_ascii_grid(folder + "/void.asc", {0, 0}, 10, 5, 5, [](double, double) { return -9999.0; }));
   ASSERT_FALSE(voids);
   EXPECT_NE(voids.error().message.find("voids"), std::string::npos);
 }
@@ -167,8 +172,8 @@ TEST(Elevation, AProjectedModelIsSampledByLongitudeAndLatitude) {
 
 TEST(NaturalGround, TheEarthIsRound) {
   // Everything 1000 m high: in the plane of the network the ground falls away by d^2 / 2R.
-  const auto elevation = Elevation::open(write_ascii_grid(scratch_folder() + "/flat.asc", {8, 46}, 0.01, 101, 101,
-                                                          [](double, double) { return 1000.0; }));
+  const auto elevation = Elevation::open(
+      write_ascii_grid(scratch_folder() + "/flat.asc", {8, 46}, 0.01, 101, 101, [](double, double) { return 1000.0; }));
   const Network network = road_at({46.5, 8.5, 400});
   ASSERT_TRUE(check_coverage(*elevation, network));
   for (const double d : {0.0, 5000.0, 15000.0, 30000.0}) {
@@ -194,8 +199,8 @@ TEST(NaturalGround, ThePlaceOnTheEarthIsTheOneUnderTheLiftedPoint) {
 }
 
 TEST(NaturalGround, AnElevationThatMissesTheRoadsIsAnErrorWithBothExtents) {
-  const auto elevation = Elevation::open(write_ascii_grid(scratch_folder() + "/away.asc", {8, 46}, 0.001, 101, 101,
-                                                          [](double, double) { return 0.0; }));
+  const auto elevation = Elevation::open(
+      write_ascii_grid(scratch_folder() + "/away.asc", {8, 46}, 0.001, 101, 101, [](double, double) { return 0.0; }));
   const Status missed = check_coverage(*elevation, road_at({46.5, 8.5, 0}));
   ASSERT_FALSE(missed);
   EXPECT_NE(missed.error().message.find("46.00000 to 46.10000"), std::string::npos) << missed.error().text();

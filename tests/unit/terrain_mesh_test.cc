@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "terrain/bisection.h"
 #include "tests/unit/terrain_scenes.h"
@@ -65,27 +65,40 @@ Clearance independent_clearance(const Network& network, double step_m, const Gro
 // Two straight roads side by side, the second above the first by rise_m, edge to edge gap_m.
 Network stacked_legs(double rise_m, double apart_m) {
   Network network;
-  network.roads.push_back(road_along("low", 300, 20, 3.5, [](double s) { return straight({0, 0}, 0.1, s); },
-                                     [](double s) { return 500 + 0.05 * s; }));
+  network.roads.push_back(road_along(
+      "low", 300, 20, 3.5,
+      [](double s) {
+        return straight({0, 0}, 0.1, s);
+      },
+      [](double s) { return 500 + 0.05 * s; }));
   const glm::dvec2 beside = (7 + apart_m) * glm::dvec2(-std::sin(0.1), std::cos(0.1));
-  network.roads.push_back(road_along("high", 300, 20, 3.5, [=](double s) { return straight(beside, 0.1, s); },
-                                     [=](double s) { return 500 + rise_m + 0.05 * s; }));
+  network.roads.push_back(road_along(
+      "high", 300, 20, 3.5, [=](double s) { return straight(beside, 0.1, s); },
+      [=](double s) { return 500 + rise_m + 0.05 * s; }));
   return network;
 }
 
 // Crests and dips of 400 m vertical radius with 15 % grades.
 Network crest() {
   Network network;
-  network.roads.push_back(road_along("crest", 400, 10, 4, [](double s) { return straight({-200, 40}, 0.4, s); },
-                                     [](double s) { return 500 + 0.15 * 60 * std::sin(s / 60); }));
+  network.roads.push_back(road_along(
+      "crest", 400, 10, 4,
+      [](double s) {
+        return straight({-200, 40}, 0.4, s);
+      },
+      [](double s) { return 500 + 0.15 * 60 * std::sin(s / 60); }));
   return network;
 }
 
 // Heights with the faults of a bad survey: 3 m up and down every 20 m.
 Network faulty_heights() {
   Network network;
-  network.roads.push_back(road_along("faulty", 300, 10, 3.5, [](double s) { return straight({-150, 0}, -0.2, s); },
-                                     [](double s) { return 500 + 3 * std::sin(s * kPi / 10 + 0.7); }));
+  network.roads.push_back(road_along(
+      "faulty", 300, 10, 3.5,
+      [](double s) {
+        return straight({-150, 0}, -0.2, s);
+      },
+      [](double s) { return 500 + 3 * std::sin(s * kPi / 10 + 0.7); }));
   return network;
 }
 
@@ -128,8 +141,8 @@ TEST(Terrain, ANaiveGridOfTheSameGroundCutsThroughTheRoad) {
   const Elevation elevation = rough_elevation(scratch_folder());
   const Network network = hairpin_network(0.15);
   const Bounds b = bounds(network);
-  const Grid natural = natural_from_elevation(
-      elevation, network, {glm::dvec2(b.low_m) - 200.0, glm::dvec2(b.high_m) + 200.0}, 6);
+  const Grid natural =
+      natural_from_elevation(elevation, network, {glm::dvec2(b.low_m) - 200.0, glm::dvec2(b.high_m) + 200.0}, 6);
   const RoadIndex index(network);
   const Levelling ground(index, natural, {});
   Grid naive = natural;
@@ -154,10 +167,18 @@ TEST(Terrain, ANaiveGridOfTheSameGroundCutsThroughTheRoad) {
 TEST(Terrain, UnderABridgeTheLowerRoadWins) {
   Network network;
   const auto level = [](double z) { return [z](double) { return z; }; };
-  network.roads.push_back(
-      road_along("low", 200, 20, 4, [](double s) { return straight({-100, 0}, 0, s); }, level(500)));
-  network.roads.push_back(
-      road_along("bridge", 200, 20, 4, [](double s) { return straight({0, -100}, kPi / 2, s); }, level(507)));
+  network.roads.push_back(road_along(
+      "low", 200, 20, 4,
+      [](double s) {
+        return straight({-100, 0}, 0, s);
+      },
+      level(500)));
+  network.roads.push_back(road_along(
+      "bridge", 200, 20, 4,
+      [](double s) {
+        return straight({0, -100}, kPi / 2, s);
+      },
+      level(507)));
   const auto terrain = Terrain::build(network, nullptr, small());
   ASSERT_TRUE(terrain);
   const Clearance c = independent_clearance(network, 0.25, [&](glm::dvec2 p) { return terrain->height_m(p); });

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <string>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include "roadgen/fit/catmull_rom.h"
 #include "roadgen/import/local_frame.h"

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <string>
 
-#include <glm/vec2.hpp>
 #include <gtest/gtest.h>
+#include <glm/vec2.hpp>
 
 #include "roadgen/road/network.h"
 
