@@ -80,7 +80,7 @@ vec3 carriageway_albedo(float s, float t, float w, vec2 footprint, out float mar
   float fine = max(footprint.x, footprint.y);
   float wheel = exp(-pow(abs(abs(t) - 0.5 * w) - 0.8, 2.0) * 6.0);
   float broad = noise_fractal(arc.w + s + 17.0 * height.w, t * 4.0, 32.0, 3, 0.6, fine);
-  float grain = noise_fractal(arc.w + s, t, 0.5, 6, 0.9, sqrt(footprint.x * footprint.y)) * 0.5;
+  float grain = noise_fractal(arc.w + s, t, 0.25, 5, 1.3, sqrt(footprint.x * footprint.y)) * 0.22;
   vec3 asphalt = ground_asphalt(wheel, broad, grain);
   // Edge lines 12 cm wide, 20 cm inside the edge; a broken centre line, 3 m on and 6 m off.
   float inner = abs(t);

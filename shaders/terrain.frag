@@ -23,7 +23,7 @@ void main() {
   float steepness = 1.0 - normal.z;
   float broad = noise_fractal(place.x, place.y, 512.0, 3, 0.55, footprint);
   vec3 middle = noise_fractal_slope(place.x, place.y, 64.0, 6, 0.5, footprint);
-  float fine = noise_fractal(place.x, place.y, 2.0, 6, 0.75, footprint);
+  float fine = 0.5 * noise_fractal(place.x, place.y, 2.0, 7, 0.95, footprint);
   float bareness = ground_bareness(steepness, altitude, broad, middle.x, fine);
   // Layers of the rock: bands by height, bent by the middle noise.
   float band = relative.z - ground.x + 9.0 * middle.x + 14.0 * broad;

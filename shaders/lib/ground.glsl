@@ -10,12 +10,12 @@ FN float ground_bareness(IN(float) steepness, IN(float) altitude, IN(float) broa
 
 FN vec3 ground_albedo(IN(float) bareness, IN(float) steepness, IN(float) altitude, IN(float) broad, IN(float) middle,
                       IN(float) fine, IN(float) strata) {
-  vec3 meadow = mix(vec3(0.062, 0.098, 0.026), vec3(0.148, 0.160, 0.058),
+  vec3 meadow = mix(vec3(0.064, 0.090, 0.030), vec3(0.142, 0.148, 0.064),
                     clamp(0.45 + 0.55 * broad + 0.30 * middle, float(0.0), float(1.0)));
   vec3 alpine = mix(vec3(0.128, 0.122, 0.060), vec3(0.200, 0.176, 0.098),
                     clamp(0.5 + 0.5 * middle + 0.2 * fine, float(0.0), float(1.0)));
   vec3 grass = mix(meadow, alpine, smoothstep(float(0.30), float(0.70), altitude + 0.14 * broad + 0.06 * middle));
-  grass = grass * (1.0 + 0.30 * fine);
+  grass = grass * (1.0 + 0.42 * fine);
   vec3 rock = mix(vec3(0.085, 0.080, 0.076), vec3(0.250, 0.236, 0.214),
                   clamp(0.5 + 0.35 * middle + 0.45 * strata + 0.30 * fine, float(0.0), float(1.0)));
   vec3 snow = vec3(0.80, 0.84, 0.90);
