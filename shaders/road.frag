@@ -141,6 +141,12 @@ void main() {
   out_color = vec4(frame_tone(frame_shade(albedo, normal, position)), coverage);
 #endif
 #ifdef RELIEF
-  gl_FragDepth = forward.w / max(dot(position, forward.xyz), forward.w);
+  float depth = dot(position, forward.xyz);
+#ifndef CHANNELS
+  // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
+  // pixel keeps the ground below it out of all of them.
+  depth -= 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
+#endif
+  gl_FragDepth = forward.w / max(depth, forward.w);
 #endif
 }

@@ -53,13 +53,17 @@ void main() {
 #else
   bool at_end = gl_VertexID >= 2;
   bool at_left = (gl_VertexID & 1) != 0;
+#ifdef CHANNELS
   float sideways = 1e-5;  // neighbours overlap by a hair, so rounding leaves no crack
+#else
+  float sideways = 0.4 * margin;  // by most of a pixel: whoever holds its centre covers all of its samples
+#endif
 #endif
   float y = at_left ? in_box.y + margin : in_box.x - margin;
   float x = at_end ? 1.0 - b * y + sideways : -a * y - sideways;
 #ifdef RELIEF
-  vec3 local = vec3(x * chord, y * chord, at_top ? in_box.w + 0.02 : in_box.z - 0.02);
-  box = vec4(in_box.xy + vec2(-margin, margin), in_box.zw + vec2(-0.02, 0.02));
+  box = in_box + vec4(-margin, margin, -margin * chord, margin * chord);
+  vec3 local = vec3(x * chord, y * chord, at_top ? box.w : box.z);
   point = local;
   eye = vec3(-dot(start.xy, axis), start.x * axis.y - start.y * axis.x, -start.z);
 #else

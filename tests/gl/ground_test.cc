@@ -102,6 +102,50 @@ TEST_F(GroundTest, NoGroundShowsThroughTheRoad) {
   EXPECT_EQ(counts.through, 0u);
 }
 
+// The picture's samples lie off the pixel's centre, where the ground may be nearer than the road is at the centre.
+TEST_F(GroundTest, NoGroundIsMixedIntoTheRoadsPicture) {
+  auto terrain = Terrain::build(network_, &*elevation_);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  std::vector<TerrainMesh> deep = terrain->tiles();
+  for (TerrainMesh& tile : deep) tile.origin_m.z -= 2;
+  auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa));
+  ASSERT_TRUE(renderer.ok());
+  ASSERT_TRUE(renderer->load_roads(network_).ok());
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::size_t compared = 0, mixed = 0;
+  for (int i = 0; i < 30; ++i) {
+    const Road& road = network_.roads[0];
+    const Camera camera = i % 2 == 0 ? flight_camera(road, uniform(random) * road.length_m(), {})
+                                     : drive_camera(road, uniform(random) * road.length_m(), -1.75, 1.3);
+    ASSERT_TRUE(renderer->load_ground(terrain->tiles()).ok());
+    const auto real = renderer->render(camera, {.width = kWidth, .height = kHeight, .channels = kColor | kLabel});
+    ASSERT_TRUE(renderer->load_ground(deep).ok());
+    const auto away = renderer->render(camera, {.width = kWidth, .height = kHeight, .channels = kColor | kLabel});
+    ASSERT_TRUE(real.ok() && away.ok());
+    const auto is_road = [](const Frame& frame, int x, int y) {
+      return frame.label.at(x, y, 0) >= static_cast<std::uint32_t>(Label::kCarriageway);
+    };
+    for (int y = 2; y + 2 < kHeight; ++y) {
+      for (int x = 2; x + 2 < kWidth; ++x) {
+        bool inside = true;  // with all its neighbours, and theirs
+        for (int k = 0; k < 25 && inside; ++k) {
+          const int nx = x + k % 5 - 2, ny = y + k / 5 - 2;
+          inside = is_road(*real, nx, ny) && is_road(*away, nx, ny);
+        }
+        if (!inside) continue;
+        ++compared;
+        int difference = 0;
+        for (int c = 0; c < 3; ++c) difference = std::max(difference, std::abs(real->color.at(x, y, c) - away->color.at(x, y, c)));
+        mixed += difference > 2;
+      }
+    }
+  }
+  std::printf("pixels inside the road: %zu, with ground mixed in: %zu\n", compared, mixed);
+  EXPECT_GT(compared, 100000u);
+  EXPECT_EQ(mixed, 0u);
+}
+
 TEST_F(GroundTest, GroundThatIsNotLevelledIsFound) {
   // The same road in a terrain that was levelled for a road 0.4 m higher: the test above can fail.
   Network higher = network_;
