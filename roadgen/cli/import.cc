@@ -51,7 +51,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--max-error", o.import.max_error_m,
                  "Greatest allowed distance of a point from the road, m. Default: 0.1, or 3 for GPX tracks");
   app.add_option("--max-height-error", o.import.max_height_error_m,
-                 "Greatest allowed height of a point above or below the road, m. Default: 0.25, or 3 for GPX tracks");
+                 "Greatest allowed height of a point above or below the road, m. Default: 0.1 to 1 by their "
+                 "roughness, or 3 for GPX tracks");
   app.add_option("--tangents", o.tangents, "fit: least squares; catmull-rom: through points, tangents from neighbours")
       ->check(CLI::IsMember({"fit", "catmull-rom"}))
       ->capture_default_str();

@@ -122,13 +122,15 @@ Result<std::vector<Job>> clean_all(const std::vector<Track>& tracks, const Local
 Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, const ImportOptions& options) {
   FitOptions fit;
   fit.max_error_m = options.max_error_m.value_or(job.recorded ? kGpsError_m : kMapError_m);
-  fit.max_elevation_error_m = options.max_height_error_m.value_or(job.recorded ? kGpsError_m : kHeightError_m);
+  const std::vector<Sample> samples = samples_of(job.track, frame, result.greatest_distance_m);
+  fit.max_elevation_error_m =
+      options.max_height_error_m.value_or(job.recorded ? kGpsError_m : height_tolerance_m(samples));
   fit.closed = job.track.closed;
   fit.tangents = options.tangents;
   fit.catmull_rom = options.catmull_rom;
 
   Diagnostics found;
-  Result<FittedRoad> fitted = fit_road(samples_of(job.track, frame, result.greatest_distance_m), fit, &found);
+  Result<FittedRoad> fitted = fit_road(samples, fit, &found);
   for (Diagnostic& d : found) {
     if (d.file.empty()) d.file = job.file;
     d.element = job.track.element + (job.track.element.empty() || d.element.empty() ? "" : " ") + d.element;
@@ -150,6 +152,21 @@ Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, c
 }
 
 }  // namespace
+
+double height_tolerance_m(std::span<const Sample> samples) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
+    const double before = glm::distance(samples[i - 1].position_m, samples[i].position_m);
+    const double after = glm::distance(samples[i].position_m, samples[i + 1].position_m);
+    if (!(before + after > 0)) continue;
+    const double line = (samples[i - 1].elevation_m * after + samples[i + 1].elevation_m * before) / (before + after);
+    sum += std::abs(samples[i].elevation_m - line);
+    ++count;
+  }
+  const double mean = count > 0 ? sum / static_cast<double>(count) : 0;
+  return std::clamp(3 * mean, kLeastHeightError_m, kGreatestHeightError_m);
+}
 
 Result<ImportResult> import_files(const std::vector<std::string>& paths, const ImportOptions& options,
                                   const Progress& progress) {

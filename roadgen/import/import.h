@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct ImportOptions {
   TangentSource tangents = TangentSource::kFit;
   Tangents catmull_rom = Tangents::kUniform;
   // Greatest allowed vertical distance of a point from the road, in the same range; heights that no road can follow are
-  // left out with a warning. Default: kHeightError_m, or kGpsError_m for recorded tracks.
+  // left out with a warning. Default: by the heights' own roughness, see height_tolerance_m; kGpsError_m for recorded
+  // tracks.
   std::optional<double> max_height_error_m = {};
   // Of the whole road, where the file has none; in [kLeastWidth_m, kGreatestWidth_m]. Default: 7
   double width_m = 7;
@@ -33,8 +35,10 @@ inline constexpr double kLeastMaxError_m = 0.001, kGreatestMaxError_m = 100;
 // Public centre lines come rounded to 1e-6 degree: up to 0.056 m in each direction. A smaller error would fit the
 // rounding, with more segments and worse curvature.
 inline constexpr double kMapError_m = 0.1;
-// Heights of surveys and good elevation models; coarser ones come in steps of a metre, which the fit rounds off.
-inline constexpr double kHeightError_m = 0.25;
+// Heights of a survey are good to centimetres, those of coarse elevation models come in steps of metres. What is allowed
+// is three times the mean distance of a height from the straight line between its neighbours, within these bounds.
+inline constexpr double kLeastHeightError_m = 0.1, kGreatestHeightError_m = 1;
+double height_tolerance_m(std::span<const Sample> samples);
 // A GPS receiver is off by about 2 m rms, more beside walls and trees, and its track has kinks that no vehicle drove.
 inline constexpr double kGpsError_m = 3;
 

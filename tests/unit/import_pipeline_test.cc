@@ -132,5 +132,20 @@ TEST(Import, OptionsOutOfRangeAreUsageErrors) {
   EXPECT_EQ(import_files({}, {}).error().code, ErrorCode::kUsage);
 }
 
+TEST(HeightTolerance, FollowsTheRoughnessOfTheHeights) {
+  const auto heights = [](double rough_m) {
+    std::vector<roadgen::Sample> samples;
+    for (int i = 0; i < 100; ++i) {
+      samples.push_back({.position_m = {12.0 * i, 3.0 * i}, .elevation_m = 0.7 * i + (i % 2 == 0 ? rough_m : -rough_m)});
+    }
+    return samples;
+  };
+  using roadgen::height_tolerance_m;
+  EXPECT_EQ(height_tolerance_m(heights(0)), roadgen::kLeastHeightError_m);  // a plane
+  EXPECT_NEAR(height_tolerance_m(heights(0.08)), 3 * 2 * 0.08, 1e-9);       // each is 2 rough_m off its neighbours' line
+  EXPECT_EQ(height_tolerance_m(heights(2)), roadgen::kGreatestHeightError_m);
+  EXPECT_EQ(height_tolerance_m({}), roadgen::kLeastHeightError_m);
+}
+
 }  // namespace
 }  // namespace roadgen
