@@ -18,18 +18,28 @@ vec3 frame_corner_ray(vec2 corner) {
   return forward.xyz + right.xyz * (corner.x * eye_phase.z) + up.xyz * (corner.y * eye_phase.w);
 }
 
-// Direct sun, sky light and haze on a diffuse surface. position: relative to the eye.
-vec3 frame_shade(vec3 albedo, vec3 normal, vec3 position) {
+// What falls on a surface with this normal, and the air before it. position: relative to the eye.
+struct FrameLight {
+  vec3 light;
+  vec3 air;
+  float clear;
+};
+
+FrameLight frame_light(vec3 normal, vec3 position) {
+  FrameLight l;
   float lit = max(dot(normal, sun.xyz), 0.0);
-  vec3 light = albedo * (sky_sun_color() * lit + sky_ambient(normal.z));
+  l.light = sky_sun_color() * lit + sky_ambient(normal.z);
   float distance_m = length(position);
   vec3 direction = position / max(distance_m, 1e-6);
-  float clear = sky_transmittance(distance_m, sun.w);
-  vec3 air = sky_gradient(max(direction.z, 0.0) * 0.5, dot(direction, sun.xyz));
-  return mix(air, light, clear);
+  l.clear = sky_transmittance(distance_m, sun.w);
+  l.air = sky_gradient(max(direction.z, 0.0) * 0.5, dot(direction, sun.xyz));
+  return l;
 }
 
 vec3 frame_tone(vec3 light) { return vec3(sky_tone(light.x), sky_tone(light.y), sky_tone(light.z)); }
+
+// What a diffuse surface shows.
+vec3 frame_shade(vec3 albedo, FrameLight l) { return frame_tone(mix(l.air, albedo * l.light, l.clear)); }
 
 // Change of a surface point per pixel step along `axis` (view right or up), by the tangent plane there.
 vec3 frame_footprint(vec3 position, vec3 normal, vec3 axis) {

@@ -1,19 +1,24 @@
-// Cookie-cuts the road out of its proxy: (u, v) of the pixel by the road function, then markings and edges by (s, t).
+// Cookie-cuts the road out of its proxy: (s, t) of the pixel by the road function, then the strips, faces and marks of
+// the cross section, each by the part of the pixel that it covers.
 #include "lib/road.glsl"
 #include "lib/surface.glsl"
 #include "lib/marking.glsl"
 #include "lib/noise.glsl"
 #include "lib/ground.glsl"
+#include "lib/material.glsl"
 #include "frame.glsl"
+#include "sections.glsl"
 #include "outputs.glsl"
 
 flat in vec4 shape;
 flat in vec4 arc;
 flat in vec4 height;
-flat in vec4 half_width;
-flat in vec3 axis_dash;
+flat in uvec4 ids;
+flat in vec2 axis;
 in vec3 relative;
 #ifdef RELIEF
+flat in vec4 superelevation;
+flat in vec4 crossfall;
 flat in vec4 box;
 flat in vec3 eye;
 in vec3 point;
@@ -22,8 +27,46 @@ in vec2 chord_point;
 in vec3 linear;
 #endif
 
-float half_width_m(float u, RoadSurface r) {
-  return road_cubic(clamp(surface_arc(u, r), 0.0, r.arc), half_width.x, half_width.y, half_width.z, half_width.w);
+const uint kOpenStart = 1u;
+const uint kOpenEnd = 2u;
+
+// Where the eye ray meets one level of the cross section.
+struct Spot {
+  float s;        // from the segment's start
+  float t;
+  vec2 p;         // in the chord frame
+  vec3 position;  // relative to the eye
+  vec3 normal;
+  vec2 left;      // unit, horizontal
+  vec2 t_step;    // change of t per pixel right and up; 0 for the data channels, which are taken at pixel centres
+  vec2 s_step;
+  bool on;        // false: the ray leaves the segment before or after
+};
+
+Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, vec3 position) {
+  Spot spot;
+  spot.p = p;
+  spot.position = position;
+  spot.on = true;
+  // Clamped before any use: lanes that end in a discard may hold anything.
+  spot.s = clamp(surface_arc(c.u, r), 0.0, r.arc);
+  float n = clamp(c.v * r.chord, -1e3, 1e3);
+  SurfaceSlope slope = surface_at(spot.s, n, r);
+  spot.t = n / slope.cosine;
+  float df = road_df(c.u, r.a, r.b);
+  vec2 tangent = normalize(axis + vec2(-axis.y, axis.x) * df);
+  spot.left = vec2(-tangent.y, tangent.x);
+  float bend = max(1.0 - c.v * road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5), 0.05);
+  spot.normal = normalize(vec3(-slope.ahead / bend * tangent - slope.aside * spot.left, 1.0));
+#ifdef CHANNELS
+  spot.t_step = spot.s_step = vec2(0.0);
+#else
+  vec3 step_x = frame_footprint(position, spot.normal, right.xyz);
+  vec3 step_y = frame_footprint(position, spot.normal, up.xyz);
+  spot.t_step = vec2(dot(spot.left, step_x.xy), dot(spot.left, step_y.xy)) / slope.cosine;
+  spot.s_step = vec2(dot(tangent, step_x.xy), dot(tangent, step_y.xy)) / bend;
+#endif
+  return spot;
 }
 
 #ifdef RELIEF
@@ -38,113 +81,317 @@ void clip_interval(inout vec2 k, float value, float slope) {
   }
 }
 
-// Where the eye ray meets the surface, in chord axes (metres); false where it does not on this segment.
-bool intersect(RoadSurface r, out RoadHit hit, out vec3 place) {
-  vec3 along = point - eye;
-  float reach = length(along);
-  along /= reach;
-  vec3 from = vec3(point.xy / r.chord, point.z);
-  vec3 toward = vec3(along.xy / r.chord, along.z);
-  // The part of the ray between the joints' lines, which run through the anchors across the tangents (beyond them a
-  // neighbour takes over; they overlap by a millimetre), and within the segment's width and range of heights.
-  float hair = 1e-3 / r.chord;
-  vec2 k = vec2(-reach, 1e6);
-  clip_interval(k, from.x + r.a * from.y + hair, toward.x + r.a * toward.y);
-  clip_interval(k, 1.0 - from.x - r.b * from.y + hair, -toward.x - r.b * toward.y);
-  clip_interval(k, from.y - box.x, toward.y);
-  clip_interval(k, box.y - from.y, -toward.y);
-  clip_interval(k, from.z - box.z, toward.z);
-  clip_interval(k, box.w - from.z, -toward.z);
-  if (!(k.x <= k.y)) return false;
+// The eye ray in chord axes (z in metres), and the part of it over this segment.
+struct Ray {
+  vec3 from;
+  vec3 toward;
+  vec3 along;  // unit, metres
+  vec2 k;      // m from `point`; empty where k.x > k.y
+  float reach; // of `point` from the eye
+};
 
-  float start = surface_chord_plane(from.x, from.z, toward.x, toward.z, r);
+Ray eye_ray(RoadSurface r) {
+  Ray ray;
+  ray.along = point - eye;
+  ray.reach = length(ray.along);
+  ray.along /= ray.reach;
+  ray.from = vec3(point.xy / r.chord, point.z);
+  ray.toward = vec3(ray.along.xy / r.chord, ray.along.z);
+  // Between the joints' lines, which run through the anchors across the tangents (beyond them a neighbour takes over;
+  // they overlap by a millimetre; open ends have room for their antialiased edge), and within the segment's width and
+  // range of heights.
+  float hair = 1e-3 / r.chord;
+  float room = (box.y - box.x) * 0.5;
+  float before = (ids.w & kOpenStart) != 0u ? room : hair;
+  float behind = (ids.w & kOpenEnd) != 0u ? room : hair;
+  ray.k = vec2(-ray.reach, 1e6);
+  clip_interval(ray.k, ray.from.x + r.a * ray.from.y + before, ray.toward.x + r.a * ray.toward.y);
+  clip_interval(ray.k, 1.0 - ray.from.x - r.b * ray.from.y + behind, -ray.toward.x - r.b * ray.toward.y);
+  clip_interval(ray.k, ray.from.y - box.x, ray.toward.y);
+  clip_interval(ray.k, box.y - ray.from.y, -ray.toward.y);
+  clip_interval(ray.k, ray.from.z - box.z, ray.toward.z);
+  clip_interval(ray.k, box.w - ray.from.z, -ray.toward.z);
+  return ray;
+}
+
+// Where the ray meets the surface raised by lift.
+Spot intersect(RoadSurface r, Ray ray, float lift) {
+  vec3 from = ray.from - vec3(0.0, 0.0, lift);
+  vec3 toward = ray.toward;
+  vec2 k = ray.k;
+  float start = surface_chord_plane(from.x, from.y, from.z, toward.x, toward.y, toward.z, r);
   // A hundredth of a pixel, or a millimetre.
-  float tolerance = max(1e-3, 0.01 * right.w * (reach + k.x));
-  hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k.x, k.y, r);
+  float tolerance = max(1e-3, 0.01 * right.w * (ray.reach + k.x));
+  RoadHit hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k.x, k.y, r);
   if (hit.residual > tolerance) {
-    k = surface_bracket(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, r);
-    hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.x, k.y, r);
+    vec2 near = surface_bracket(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, r);
+    hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, near.x, near.x, near.y, r);
   }
   // A ray nearly along the surface may meet it twice, once beside the road: look from the far end too.
-  bool beside = hit.residual > tolerance || abs(hit.v) * r.chord > half_width_m(hit.u, r);
-  if (beside && abs(toward.z - surface_height(1.0, r) * toward.x) < 0.03) {
+  float edge = r.chord * abs(hit.v);
+  bool beside = hit.residual > tolerance || edge > max(section_border(ids.y, int(section_rows[ids.y].x) - 1, height.w),
+                                                       -section_border(ids.y, 0, height.w));
+  if (beside && abs(toward.z - road_cubic(r.arc, 0.0, r.z1, r.z2, r.z3) * toward.x) < 0.03) {
     RoadHit other = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, k.x, k.y, r);
     if (other.residual <= tolerance && abs(other.v) < abs(hit.v)) hit = other;
   }
-  place = point + hit.k * along;
-  return hit.residual <= tolerance;
+  vec3 place = point + hit.k * ray.along - eye;
+  RoadCoord c;
+  c.u = hit.u;
+  c.v = hit.v;
+  Spot spot = spot_at(r, vec2(hit.x, hit.y), c,
+                      vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z));
+  spot.on = hit.residual <= tolerance;
+  return spot;
 }
 #endif
 
-vec3 carriageway_albedo(float s, float t, float w, vec2 footprint, out float marking) {
-  float fine = max(footprint.x, footprint.y);
-  float wheel = exp(-pow(abs(abs(t) - 0.5 * w) - 0.8, 2.0) * 6.0);
-  float broad = noise_fractal(arc.w + s + 17.0 * height.w, t * 4.0, 32.0, 3, 0.6, fine);
-  float grain = noise_fractal(arc.w + s, t, 0.25, 5, 1.3, sqrt(footprint.x * footprint.y)) * 0.22;
-  vec3 asphalt = ground_asphalt(wheel, broad, grain);
-  // Edge lines 12 cm wide, 20 cm inside the edge; a broken centre line, 3 m on and 6 m off.
-  float inner = abs(t);
-  float edge = marking_stripe(inner, w - 0.32, w - 0.20, footprint.y);
-  float center = marking_stripe(t, -0.06, 0.06, footprint.y) * marking_dash(axis_dash.z + s, 9.0, 3.0, footprint.x);
-  marking = clamp(edge + center, 0.0, 1.0) * (0.94 + 0.06 * grain);
-  return mix(asphalt, vec3(0.68, 0.67, 0.63), marking);
+// Part of the pixel on the road's side of the line through an anchor across the tangent, whose slope is given; x, y from
+// that anchor, along: 1 for a start, -1 for an end.
+float open_end(float x, float y, float slope, float along, Spot spot) {
+  float inside_m = along * shape.x * (x + slope * y) / sqrt(1.0 + slope * slope);
+#ifdef CHANNELS
+  return inside_m >= 0.0 ? 1.0 : 0.0;
+#else
+  vec2 inward = along * normalize(axis + vec2(-axis.y, axis.x) * slope);
+  vec3 step_x = frame_footprint(spot.position, spot.normal, right.xyz);
+  vec3 step_y = frame_footprint(spot.position, spot.normal, up.xyz);
+  return filter_step(inside_m, dot(inward, step_x.xy), dot(inward, step_y.xy));
+#endif
+}
+
+// What the pixel shows: the sum of all parts.
+struct Pixel {
+  vec3 color;      // weighted by coverage
+  float coverage;
+  float depth;     // the nearest part's
+  vec4 road;       // of the part with the most coverage
+  vec3 normal;
+  float label;
+  float most;
+};
+
+void add_part(inout Pixel pixel, float part, vec3 color, Spot spot, vec3 normal, float lane, float label) {
+  pixel.color += part * color;
+  pixel.coverage += part;
+  pixel.depth = min(pixel.depth, dot(spot.position, forward.xyz));
+  if (part > pixel.most) {
+    pixel.most = part;
+    pixel.road = vec4(float(ids.x), arc.z + (arc.w + spot.s), spot.t, lane);
+    pixel.normal = normal;
+    pixel.label = label;
+  }
+}
+
+vec3 strip_color(Strip strip, Spot spot, float middle) {
+#ifdef CHANNELS
+  return vec3(0.0);
+#else
+  float wheel = strip.driving ? exp(-pow(abs(abs(spot.t - middle) - 0.8), 2.0) * 6.0) : 0.0;
+  float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
+  vec3 albedo = material_albedo(strip.material, s, spot.t, wheel, float(ids.x), abs(spot.s_step.x) + abs(spot.s_step.y),
+                                abs(spot.t_step.x) + abs(spot.t_step.y));
+  return frame_shade(albedo, frame_light(spot.normal, spot.position));
+#endif
+}
+
+vec3 paint_color(int color, Spot spot) {
+#ifdef CHANNELS
+  return vec3(0.0);
+#else
+  return frame_shade(marking_color(color), frame_light(spot.normal, spot.position));
+#endif
+}
+
+// Lays `part` of paint over what covers `under` of the pixel in the colour given.
+void add_mark(inout Pixel pixel, float part, float under, vec3 under_color, vec3 color) {
+  float over = min(part, under);
+  pixel.color += over * (color - under_color);
+  if (over > 0.5) pixel.label = 3.0;
+}
+
+float paint_part(uint row, Spot spot) {
+  vec4 place = paint_rows[2u * row];
+  vec4 kind = paint_rows[2u * row + 1u];
+  float s = spot.s - place.x;
+  float t = spot.t - place.y;
+  vec2 ss = spot.s_step;
+  vec2 ts = spot.t_step;
+  if (kind.x < 2.0) {
+    float part = filter_band(s, -0.5 * place.z, 0.5 * place.z, ss.x, ss.y) *
+                 filter_band(t, -0.5 * place.w, 0.5 * place.w, ts.x, ts.y);
+    // Stripes and gaps alternate from the middle outward, a stripe in the middle.
+    return kind.x < 1.0 ? part : part * marking_dash(t + 0.5 * kind.z, 2.0 * kind.z, kind.z, ts.x, ts.y);
+  }
+  float way = kind.w > 0.5 ? -1.0 : 1.0;
+  float turn = kind.x == 3.0 || kind.x == 5.0 ? 1.0 : (kind.x == 4.0 || kind.x == 6.0 ? -1.0 : 0.0);
+  bool both = kind.x >= 5.0;
+  vec2 p = way * vec2(s, t);
+  float d = marking_arrow(p.x, p.y, place.z, place.w, turn, both);
+  float h = 0.01;
+  float ds = (marking_arrow(p.x + h, p.y, place.z, place.w, turn, both) - d) / h * way;
+  float dt = (marking_arrow(p.x, p.y + h, place.z, place.w, turn, both) - d) / h * way;
+  return filter_step(-d, ds * ss.x + dt * ts.x, ds * ss.y + dt * ts.y);
+}
+
+#ifdef RELIEF
+#define SPOT(level) spots[level]
+#define SPOTS LEVELS
+#else
+#define SPOT(level) spots[0]
+#define SPOTS 1
+#endif
+
+// Part of the pixel to the left of a border, as seen at its level.
+float left_of(Spot spots[SPOTS], int border, int level) {
+  float t = SPOT(level).t - section_border(ids.y, border, height.w + SPOT(level).s);
+  return filter_step(t, SPOT(level).t_step.x, SPOT(level).t_step.y);
+}
+
+// The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
+// that no strip up to here has taken, as the far side of the last border bounds it.
+Pixel cross_section(Spot spots[SPOTS]) {
+  Pixel pixel = Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0);
+  int borders = int(section_rows[ids.y].x);
+  // Does the ray run to the left as it goes?
+  bool leftward = dot(SPOT(0).left, SPOT(0).position.xy) >= 0.0;
+  int first = leftward ? 0 : borders - 1;
+  int onward = leftward ? 1 : -1;
+  float flip = leftward ? 1.0 : -1.0;
+  float shift = leftward ? 0.0 : 1.0;
+  float open = shift + flip * left_of(spots, first, 0);
+  int level = 0;
+  float before = 0.0;  // what the strip before covers
+  vec3 before_color = vec3(0.0);
+  for (int i = 0; i < borders; ++i) {
+    int border = first + i * onward;
+    bool last = i + 1 == borders;
+    Strip strip = last ? Strip(0, level, level, false, 0.0) : section_strip(ids.y, leftward ? border : border - 1);
+    int near = leftward ? strip.right_level : strip.left_level;
+    int far = leftward ? strip.left_level : strip.right_level;
+#ifdef RELIEF
+    if (near != level) {
+      // A vertical face between the two levels.
+      float beyond = shift + flip * left_of(spots, border, near);
+      float part = max(open - beyond, 0.0);
+      if (part > 0.0) {
+        Spot face = SPOT(level);
+        float d0 = SPOT(level).t - section_border(ids.y, border, height.w + SPOT(level).s);
+        float d1 = SPOT(near).t - section_border(ids.y, border, height.w + SPOT(near).s);
+        float w = clamp(abs(d0 - d1) < 1e-9 ? 0.0 : d0 / (d0 - d1), 0.0, 1.0);
+        face.position = mix(SPOT(level).position, SPOT(near).position, w);
+        face.s = mix(SPOT(level).s, SPOT(near).s, w);
+        face.t -= d0;
+        face.normal = vec3(-flip * face.left, 0.0);
+        add_part(pixel, part, strip_color(Strip(5, level, near, false, 0.0), face, face.t), face, face.normal, strip.lane,
+                 2.0);
+      }
+      open = min(open, beyond);
+      level = near;
+      before = 0.0;
+    }
+#endif
+    float part = 0.0;
+    vec3 color = vec3(0.0);
+    Spot spot = SPOT(level);
+    if (!last) {
+      float beyond = shift + flip * left_of(spots, border + onward, far);
+      part = spot.on ? max(open - beyond, 0.0) : 0.0;
+      open = min(open, beyond);
+      if (part > 0.0) {
+        float ds = height.w + spot.s;
+        color = strip_color(strip, spot,
+                            0.5 * (section_border(ids.y, border, ds) + section_border(ids.y, border + onward, ds)));
+        add_part(pixel, part, color, spot, spot.normal, strip.lane, 2.0);
+      }
+    }
+    // The mark on the border just passed, over the strips on both sides of it.
+    float under = before + part;
+    if (under > 0.0) {
+      Mark mark = section_mark(ids.y, border);
+      if (mark.kind > 0) {
+        float ds = height.w + spot.s;
+        float over = marking_border(mark.kind, spot.t - section_border(ids.y, border, ds), ds, mark.width, mark.space,
+                                    mark.on, mark.off, spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y);
+        if (over > 0.0) {
+          add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, spot));
+        }
+      }
+    }
+    before = part;
+    before_color = color;
+    level = far;
+  }
+  uint paint = ids.z >> 8u;
+  for (uint i = 0u; i < (ids.z & 255u); ++i) {
+    vec4 kind = paint_rows[2u * (paint + i) + 1u];
+    float over = SPOT(0).on ? paint_part(paint + i, SPOT(0)) : 0.0;
+    if (over > 0.0 && pixel.coverage > 0.0) {
+      add_mark(pixel, over, pixel.coverage, pixel.color / pixel.coverage, paint_color(int(kind.y), SPOT(0)));
+    }
+  }
+  return pixel;
+}
+
+// The underside of a bridge.
+Pixel underside(Spot spots[SPOTS]) {
+  Pixel pixel = Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0);
+  float part = max(left_of(spots, 0, 0) - left_of(spots, int(section_rows[ids.y].x) - 1, 0), 0.0);
+  Spot spot = SPOT(0);
+  spot.normal = -spot.normal;
+  if (part > 0.0 && spot.on) {
+    add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), spot, 0.0), spot, spot.normal, 0.0, 2.0);
+  }
+  return pixel;
 }
 
 void main() {
-  RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z);
-  vec2 axis = axis_dash.xy;
-  vec2 p;
-  RoadCoord c;
-  vec3 position = relative;
 #ifdef RELIEF
-  RoadHit hit;
-  vec3 place;
-  if (!intersect(r, hit, place)) discard;
-  p = vec2(hit.x, hit.y);
-  c.u = hit.u;
-  c.v = hit.v;
-  vec3 from_eye = place - eye;
-  position = vec3(axis * from_eye.x + vec2(-axis.y, axis.x) * from_eye.y, from_eye.z);
+  RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
+                              superelevation.x, superelevation.y, superelevation.z, superelevation.w, crossfall.x,
+                              crossfall.y, crossfall.z, crossfall.w);
+  Ray ray = eye_ray(r);
+  if (!(ray.k.x <= ray.k.y)) discard;
+  int levels = int(section_rows[ids.y].y);
+  Spot spots[SPOTS];
+  for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_rows[ids.y + 1u][i]);
 #else
-  p = chord_point;
-  c = road_project_linear(linear.x, linear.y, linear.z, p.x, p.y, r.a, r.b);
+  RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
+                              0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+  // Beyond the joints' lines the neighbours take over.
+  float hair = 1e-5;
+  if (chord_point.x + r.a * chord_point.y < -hair && (ids.w & kOpenStart) == 0u) discard;
+  if (1.0 - chord_point.x - r.b * chord_point.y < -hair && (ids.w & kOpenEnd) == 0u) discard;
+  Spot spots[SPOTS];
+  spots[0] = spot_at(r, chord_point,
+                     road_project_linear(linear.x, linear.y, linear.z, chord_point.x, chord_point.y, r.a, r.b),
+                     relative);
 #endif
-  // Clamped before any use: lanes that end in a discard may hold anything.
-  float s = clamp(surface_arc(c.u, r), 0.0, r.arc);
-  float t = clamp(c.v * r.chord, -1e3, 1e3);
-  float w = half_width_m(c.u, r);
-
-  // Tangent frame of the surface, level across.
-  float df = road_df(c.u, r.a, r.b);
-  vec2 tangent = normalize(axis + vec2(-axis.y, axis.x) * df);
-  vec2 left = vec2(-tangent.y, tangent.x);
-  float bend = max(1.0 - c.v * road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5), 0.05);
-  float grade = road_dcubic(s, r.z1, r.z2, r.z3) / bend;
-  vec3 normal = normalize(vec3(-grade * tangent, 1.0));
-
-  vec3 step_x = frame_footprint(position, normal, right.xyz);
-  vec3 step_y = frame_footprint(position, normal, up.xyz);
-  float width_t = abs(dot(left, step_x.xy)) + abs(dot(left, step_y.xy));
-  float width_s = (abs(dot(tangent, step_x.xy)) + abs(dot(tangent, step_y.xy))) / bend;
-#ifdef CHANNELS
-  if (abs(t) > w) discard;
-  float marking;
-  carriageway_albedo(s, t, w, vec2(0.0), marking);
-  out_road = vec4(height.w, arc.z + s, t, t < 0.0 ? -1.0 : 1.0);
-  out_normal = vec4(normal, 0.0);
-  out_label = vec2(marking > 0.5 ? 3.0 : 2.0, height.w + 1.0);
-#else
-  float coverage = marking_stripe(t, -w, w, width_t);
+  Pixel pixel;
+  if (dot(spots[0].normal, spots[0].position) > 0.0) {
+    pixel = underside(spots);
+  } else {
+    pixel = cross_section(spots);
+  }
+  float coverage = pixel.coverage;
+  vec2 p = spots[0].p;
+  if ((ids.w & kOpenStart) != 0u) coverage *= open_end(p.x, p.y, r.a, 1.0, spots[0]);
+  if ((ids.w & kOpenEnd) != 0u) coverage *= open_end(p.x - 1.0, p.y, r.b, -1.0, spots[0]);
   if (!(coverage > 0.0)) discard;
-  float marking;
-  vec3 albedo = carriageway_albedo(s, t, w, vec2(width_s, width_t), marking);
-  out_color = vec4(frame_tone(frame_shade(albedo, normal, position)), coverage);
+#ifdef CHANNELS
+  out_road = pixel.road;
+  out_normal = vec4(pixel.normal, 0.0);
+  out_label = vec2(pixel.label, float(ids.x) + 1.0);
+#else
+  out_color = vec4(pixel.color / pixel.coverage, coverage);
 #endif
 #ifdef RELIEF
-  float depth = dot(position, forward.xyz);
+  float depth = pixel.depth;
 #ifndef CHANNELS
   // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
   // pixel keeps the ground below it out of all of them.
+  vec3 step_x = frame_footprint(spots[0].position, spots[0].normal, right.xyz);
+  vec3 step_y = frame_footprint(spots[0].position, spots[0].normal, up.xyz);
   depth -= 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
 #endif
   gl_FragDepth = forward.w / max(depth, forward.w);

@@ -4,41 +4,48 @@
 #include "lib/road.glsl"
 #include "frame.glsl"
 
-layout(location = 0) in vec3 in_start_high;  // start anchor, ENU, as two floats
-layout(location = 1) in vec3 in_start_low;
-layout(location = 2) in vec4 in_shape;       // chord x, y (m), slopes a, b
-layout(location = 3) in vec4 in_arc;         // arc length (m), c0, c1, s at the start (m)
-layout(location = 4) in vec4 in_height;      // z1, z2, z3 (per m, m^2, m^3), s at the start modulo NOISE_PERIOD
-layout(location = 5) in vec4 in_width;       // half width: cubic in s
-layout(location = 6) in vec4 in_box;         // y low, y high (chord frame), z low, z high (m above the start anchor)
-layout(location = 7) in vec2 in_road;        // index of the road, s at the start modulo the dashes' period
+// RoadInstance of roadgen/render/road_instance.h.
+layout(location = 0) in vec3 in_start;
+layout(location = 1) in uint in_tile;
+layout(location = 2) in vec4 in_shape;
+layout(location = 3) in vec4 in_arc;
+layout(location = 4) in vec4 in_height;
+layout(location = 5) in vec4 in_superelevation;
+layout(location = 6) in vec4 in_box;
+layout(location = 7) in uvec4 in_ids;     // road, section, paint, flags
+layout(location = 8) in float in_section_s;
+layout(location = 9) in uvec2 in_crossfall;
 
-flat out vec4 shape;      // L, a, b, arc length
-flat out vec4 arc;        // c0, c1, s start, s phase
-flat out vec4 height;     // z1, z2, z3, road index
-flat out vec4 half_width;
-flat out vec3 axis_dash;  // unit chord direction in ENU, s at the start modulo the dashes' period
-out vec3 relative;        // position relative to the eye, ENU
+// Origins of the tiles, ENU, each as two floats.
+layout(std430, binding = 0) readonly buffer Tiles { vec4 tiles[]; };
+
+flat out vec4 shape;       // L, a, b, arc length
+flat out vec4 arc;         // c0, c1, s at the start (a float, and what it lacks)
+flat out vec4 height;      // z1, z2, z3, s from the section's start
+flat out uvec4 ids;
+flat out vec2 axis;        // unit chord direction in ENU
+out vec3 relative;         // position relative to the eye, ENU
 #ifdef RELIEF
+flat out vec4 superelevation;
+flat out vec4 crossfall;   // left at the start and its slope, right
 flat out vec4 box;
-flat out vec3 eye;        // in chord axes, metres from the start anchor
-out vec3 point;           // likewise
+flat out vec3 eye;         // in chord axes, metres from the start anchor
+out vec3 point;            // likewise
 #else
-out vec2 chord_point;     // x, y in the chord frame
-out vec3 linear;          // alpha, beta, gamma: linear in x and y, so the rasterizer interpolates them
+out vec2 chord_point;      // x, y in the chord frame
+out vec3 linear;           // alpha, beta, gamma: linear in x and y, so the rasterizer interpolates them
 #endif
 
 void main() {
-  precise vec3 start = (in_start_high - eye_high.xyz) + (in_start_low - eye_low.xyz);
+  precise vec3 start = (tiles[2u * in_tile].xyz - eye_high.xyz) + (tiles[2u * in_tile + 1u].xyz - eye_low.xyz) + in_start;
   float chord = length(in_shape.xy);
   float a = in_shape.z;
   float b = in_shape.w;
-  vec2 axis = in_shape.xy / chord;
-  axis_dash = vec3(axis, in_road.y);
+  axis = in_shape.xy / chord;
   shape = vec4(chord, a, b, in_arc.x);
   arc = vec4(in_arc.y, in_arc.z, in_arc.w, in_height.w);
-  height = vec4(in_height.xyz, in_road.x);
-  half_width = in_width;
+  height = vec4(in_height.xyz, in_section_s);
+  ids = in_ids;
 
   // Room for the antialiased edge: two pixels at the segment's distance.
   float middle_m = length(start + 0.5 * vec3(in_shape.xy, 0.0));
@@ -53,15 +60,21 @@ void main() {
 #else
   bool at_end = gl_VertexID >= 2;
   bool at_left = (gl_VertexID & 1) != 0;
+  // Neighbours overlap by a hair, so rounding leaves no crack; for the picture by most of a pixel: whoever holds its
+  // centre covers all of its samples.
 #ifdef CHANNELS
-  float sideways = 1e-5;  // neighbours overlap by a hair, so rounding leaves no crack
+  float sideways = 1e-5;
 #else
-  float sideways = 0.4 * margin;  // by most of a pixel: whoever holds its centre covers all of its samples
+  float sideways = 0.4 * margin;
 #endif
 #endif
   float y = at_left ? in_box.y + margin : in_box.x - margin;
   float x = at_end ? 1.0 - b * y + sideways : -a * y - sideways;
 #ifdef RELIEF
+  superelevation = in_superelevation;
+  vec2 left = unpackHalf2x16(in_crossfall.x);
+  vec2 right_fall = unpackHalf2x16(in_crossfall.y);
+  crossfall = vec4(left.x, (left.y - left.x) / in_arc.x, right_fall.x, (right_fall.y - right_fall.x) / in_arc.x);
   box = in_box + vec4(-margin, margin, -margin * chord, margin * chord);
   vec3 local = vec3(x * chord, y * chord, at_top ? box.w : box.z);
   point = local;

@@ -32,6 +32,6 @@ void main() {
   vec3 albedo = ground_albedo(bareness, steepness, altitude, broad, middle.x, fine, strata);
   // Bumps of the rock up to 3 m, of the meadow up to 0.6 m.
   vec3 bumped = normalize(normal - vec3(middle.yz, 0.0) * mix(0.7, 4.0, bareness));
-  out_color = vec4(frame_tone(frame_shade(albedo, bumped, relative)), 1.0);
+  out_color = vec4(frame_shade(albedo, frame_light(bumped, relative)), 1.0);
 #endif
 }

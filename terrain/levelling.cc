@@ -36,16 +36,21 @@ double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, g
   const glm::dvec2 p = to_chord(segment, point_m);
   const double df = Lib::road_df(foot.u, a, b), dx = p.x - foot.u, dy = p.y - Lib::road_f(foot.u, a, b);
   const double along = dx + dy * df;
-  const double local = arc_at(segment, foot.u), half_width = segment.half_width_m.value(local);
-  z_m = segment.elevation_m.value(local);
-  if (std::abs(along) <= kPerpendicular) return std::max(foot.distance_m - half_width, 0.0);
+  const double local = arc_at(segment, foot.u);
+  const double scale = segment.chord_length_m() / std::sqrt(1 + df * df);
+  const double cosine = std::cos(segment.superelevation_rad.value(local));
+  const double left = segment.left_m.value(local) * cosine, right = segment.right_m.value(local) * cosine;
+  const double n = (dy - dx * df) * scale, beside = std::max({n - left, right - n, 0.0});
+  // Beside the carriageway the ground goes on level from its edge.
+  const Lib::SurfaceSlope surface = surface_at(segment, local, std::clamp(n, right, left));
+  z_m = surface.height;
+  if (std::abs(along) <= kPerpendicular) return beside;
   const bool end =
       !road.closed && ((foot.u <= 0 && at.segment == 0) || (foot.u >= 1 && at.segment + 1 == road.segments.size()));
   if (!end) return -1;
-  const double scale = segment.chord_length_m() / std::sqrt(1 + df * df);
   // The grade goes on over the shoulder, else the last triangles under the road would bend.
-  z_m += segment.elevation_m.slope(local) * std::clamp(along * scale, -shoulder_m, shoulder_m);
-  return std::hypot(along * scale, std::max(std::abs(dy - dx * df) * scale - half_width, 0.0));
+  z_m += surface.ahead * std::clamp(along * scale, -shoulder_m, shoulder_m);
+  return std::hypot(along * scale, beside);
 }
 
 }  // namespace
@@ -108,7 +113,7 @@ Levelling::Levelling(const RoadIndex& index, const Grid& natural, const Levellin
       for (int i = 0; i < pieces; ++i) {
         const double u = (i + 0.5) / pieces, local = arc_at(segment, u);
         all.push_back({position_m(segment, u), segment.elevation_m.value(local) - options.gap_m,
-                       segment.half_width_m.value(local)});
+                       std::max(segment.left_m.value(local), -segment.right_m.value(local))});
       }
     }
   }

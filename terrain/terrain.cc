@@ -55,13 +55,16 @@ void over_carriageways(const Network& network, double step_m, Visit&& visit) {
       const int across = std::max(2, static_cast<int>(std::ceil(2 * widest / step_m)));
       for (int i = 0; i <= along; ++i) {
         const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
-        const double heading = heading_rad(segment, u), half_width = segment.half_width_m.value(local);
-        const double curvature = curvature_per_m(segment, u), rise = segment.elevation_m.slope(local);
+        const double heading = heading_rad(segment, u), curvature = curvature_per_m(segment, u);
+        const double cosine = std::cos(segment.superelevation_rad.value(local));
+        const double left = segment.left_m.value(local) * cosine, right = segment.right_m.value(local) * cosine;
         const glm::dvec2 centre = position_m(segment, u), ahead(std::cos(heading), std::sin(heading));
         for (int j = 0; j <= across; ++j) {
-          const double t = half_width * (2.0 * j / across - 1);
-          visit(SurfacePoint{centre + t * glm::dvec2(-ahead.y, ahead.x), surface_height_m(segment, local, t),
-                             rise / std::max(1 - t * curvature, 0.05) * ahead});
+          const double n = glm::mix(right, left, static_cast<double>(j) / across);
+          const Lib::SurfaceSlope slope = surface_at(segment, local, n);
+          const glm::dvec2 aside(-ahead.y, ahead.x);
+          visit(SurfacePoint{centre + n * aside, slope.height,
+                             slope.ahead / std::max(1 - n * curvature, 0.05) * ahead + slope.aside * aside});
         }
       }
     }

@@ -22,7 +22,7 @@ std::string describe(const CheckReport& report, const Network& network) {
                                        {"max_curvature_gap_per_m", worst.curvature_per_m},
                                        {"max_elevation_gap_m", worst.elevation_m},
                                        {"max_grade_gap", worst.grade},
-                                       {"max_width_gap_m", 2 * worst.half_width_m},
+                                       {"max_edge_gap_m", worst.edge_m},
                                        {"max_mapping_bound_m", report.max_mapping_bound_m},
                                        {"max_arc_error_m", report.max_arc_error_m},
                                        {"problems", report.problems}};

@@ -106,7 +106,7 @@ bool is_constant(const Cubic& c) { return c.c1 == 0 && c.c2 == 0 && c.c3 == 0; }
 void write_widths(Writer& out, const Road& road) {
   const Cubic* before = nullptr;
   for (const Segment& segment : road.segments) {
-    const Cubic& width = segment.half_width_m;
+    const Cubic& width = segment.left_m;
     if (before && is_constant(*before) && is_constant(width) && before->c0 == width.c0) continue;
     before = &width;
     out.raw("            <width").number("sOffset", segment.s_start_m);
@@ -159,7 +159,7 @@ void write_road(Writer& out, const Road& road) {
 }
 
 bool is_finite(const Segment& s) {
-  const Cubic &z = s.elevation_m, &w = s.half_width_m;
+  const Cubic &z = s.elevation_m, &w = s.left_m;
   return std::isfinite(s.start_m.x + s.start_m.y + s.end_m.x + s.end_m.y + s.slope_start + s.slope_end + s.s_start_m +
                        s.arc_m + z.c0 + z.c1 + z.c2 + z.c3 + w.c0 + w.c1 + w.c2 + w.c3);
 }

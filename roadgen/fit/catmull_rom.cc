@@ -34,7 +34,6 @@ bool is_usable(const Anchor& a) {
 }
 
 // The part of a cubic that starts at s_m, as a cubic of its own arc length.
-Cubic shifted(const Cubic& c, double s_m) { return {c.value(s_m), c.slope(s_m), 0.5 * c.second(s_m), c.c3}; }
 
 // Builds one road: the state that the steps of road_from_anchors share.
 class Alignment {
@@ -82,6 +81,7 @@ Result<Road> Alignment::run(std::span<const Anchor> given) {
   road.segments.reserve(pieces_.size());
   for (const Piece& piece : pieces_) road.segments.push_back(piece.segment);
   chain_arc_lengths(road);
+  two_lane_sections(road);
   return road;
 }
 
@@ -271,8 +271,8 @@ void Alignment::set_stretch_widths(std::size_t first, std::size_t last, const st
   s = 0;
   for (std::size_t i = first; i < last; ++i) {
     Segment& segment = pieces_[i].segment;
-    segment.half_width_m =
-        narrowed ? Cubic::hermite(width_m_[i], 0, width_m_[i + 1], 0, segment.arc_m) : shifted(whole, s);
+    segment.set_half_width_m(narrowed ? Cubic::hermite(width_m_[i], 0, width_m_[i + 1], 0, segment.arc_m)
+                                      : whole.shifted(s));
     s += segment.arc_m;
   }
 }
@@ -329,7 +329,7 @@ void Alignment::set_elevations() {
         Cubic::hermite(anchors_[i].elevation_m, grade[i], anchors_[end].elevation_m, grade[end], arc[i]);
     double s = 0;
     for (std::size_t k = first; k < last; ++k) {
-      pieces_[k].segment.elevation_m = shifted(whole, s);
+      pieces_[k].segment.elevation_m = whole.shifted(s);
       s += pieces_[k].segment.arc_m;
     }
   }

@@ -22,7 +22,7 @@ double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 glm::dvec2 direction(double heading_rad) { return {std::cos(heading_rad), std::sin(heading_rad)}; }
 
 bool admissible_at(Segment& segment, double half_width_m, double tolerance) {
-  segment.half_width_m = {half_width_m, 0, 0, 0};
+  segment.set_half_width_m({half_width_m, 0, 0, 0});
   set_bound(segment);
   return is_admissible(segment, tolerance * kRoundingShare);
 }
@@ -73,7 +73,7 @@ class Divider {
 
   bool accept(Piece& piece) {
     Segment& s = piece.segment;
-    s.half_width_m = {half_width_m_, 0, 0, 0};
+    s.set_half_width_m({half_width_m_, 0, 0, 0});
     set_bound(s);
     const bool bounded = std::isfinite(s.bound.v);
     const bool straight = std::max(std::abs(s.slope_start), std::abs(s.slope_end)) <= kStraightSlope;

@@ -36,11 +36,6 @@ struct Placed {
   double s_m = 0, length_m = 0;
 };
 
-Cubic shifted(const Cubic& c, double by) {
-  if (by == 0) return c;
-  return {c.value(by), c.slope(by), c.c2 + 3 * c.c3 * by, c.c3};
-}
-
 // Moves the end onto the next anchor where only rounding keeps them apart.
 void join_end(Segment& segment, glm::dvec2 next_m) {
   const double gap_m = glm::length(segment.end_m - next_m);
@@ -328,7 +323,7 @@ Cubic Reader::profile_over(const std::vector<Record>& records, const Placed& pla
   }
   if (!holds) return {};
   const double by = placed.s_m - holds->s_m;
-  const Cubic result = shifted(holds->cubic, std::abs(by) <= kSamePlace_m ? 0 : by);
+  const Cubic result = holds->cubic.shifted(std::abs(by) <= kSamePlace_m ? 0 : by);
   const Cubic::Range range = result.range(placed.segment.arc_m);
   if (!(std::abs(range.low) <= kGreatestProfile_m && std::abs(range.high) <= kGreatestProfile_m) && !error_) {
     error_ = Error{ErrorCode::kData, std::string("the ") + what + " is beyond 1e6 m", file_, holds->line, element_};
@@ -424,13 +419,14 @@ void Reader::read_road(pugi::xml_node node) {
   for (const Placed& placed : plan) {
     Segment segment = placed.segment;
     segment.elevation_m = profile_over(heights, placed, "elevation");
-    segment.half_width_m = profile_over(widths, placed, "width");
+    segment.set_half_width_m(profile_over(widths, placed, "width"));
     road.segments.push_back(segment);
   }
   if (road.closed) close_loop(node, road);
   if (failed()) return;
   for (Segment& segment : road.segments) set_bound(segment);
   chain_arc_lengths(road);
+  two_lane_sections(road);
   network_.roads.push_back(std::move(road));
 }
 

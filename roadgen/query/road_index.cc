@@ -23,11 +23,12 @@ RoadPoint locate(const Segment& segment, glm::dvec2 point_m) {
   if (p.x + a * p.y >= 0 && p.x + b * p.y <= 1) {
     const Lib::RoadCoord c = Lib::road_project(p.x, p.y, a, b);
     const double local = arc_at(segment, c.u);
-    if (std::abs(c.v * length) <= segment.half_width_m.value(local)) {
+    const double t = c.v * length / std::cos(segment.superelevation_rad.value(local));
+    if (t <= segment.left_m.value(local) && t >= segment.right_m.value(local)) {
       r.u = c.u;
       r.s_m = segment.s_start_m + local;
-      r.t_m = c.v * length;
-      r.distance_m = std::abs(r.t_m);
+      r.t_m = t;
+      r.distance_m = std::abs(c.v * length);
       return r;
     }
   }
@@ -37,9 +38,12 @@ RoadPoint locate(const Segment& segment, glm::dvec2 point_m) {
   const glm::dvec2 away = (p - glm::dvec2(foot.u, Lib::road_f(foot.u, a, b))) * length;
   r.u = foot.u;
   r.s_m = segment.s_start_m + local;
-  r.t_m = tangent.x * away.y - tangent.y * away.x;
+  const double n = tangent.x * away.y - tangent.y * away.x;
+  const double cosine = std::cos(segment.superelevation_rad.value(local));
+  r.t_m = n / cosine;
   r.distance_m = foot.distance_m;
-  const double beside = std::max(std::abs(r.t_m) - segment.half_width_m.value(local), 0.0);
+  const double beside =
+      std::max({n - segment.left_m.value(local) * cosine, segment.right_m.value(local) * cosine - n, 0.0});
   // Between the ends the foot is perpendicular and what is along is rounding only.
   const bool at_end = foot.u <= 0 || foot.u >= 1;
   r.outside_m = at_end ? std::hypot(glm::dot(tangent, away), beside) : beside;

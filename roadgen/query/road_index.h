@@ -25,8 +25,8 @@ struct RoadPoint {
   SegmentRef at;
   double u = 0;           // of the segment, [0, 1]
   double s_m = 0;         // arc length along the road
-  double t_m = 0;         // signed distance across, positive to the left
-  double distance_m = 0;  // from the reference line, horizontally; |t_m| but beyond the ends of an open road
+  double t_m = 0;         // across, in the tilted cross section, positive to the left
+  double distance_m = 0;  // from the reference line, horizontally
   double outside_m = 0;   // from the carriageway, horizontally; 0 on it
   double height_m = 0;    // of the point above the road's surface; 0 where the query gave no height
 };
@@ -36,8 +36,8 @@ struct RoadPoint {
 RoadPoint locate(const Segment& segment, glm::dvec2 point_m);
 
 // The height of the road's surface at arc length s_m from the segment's start and offset t_m.
-inline double surface_height_m(const Segment& segment, double local_s_m, double /*t_m*/) {
-  return segment.elevation_m.value(local_s_m);
+inline double surface_height_m(const Segment& segment, double local_s_m, double t_m) {
+  return surface_at(segment, local_s_m, t_m * std::cos(segment.superelevation_rad.value(local_s_m))).height;
 }
 
 // Immutable after construction: any number of threads may ask. No allocation per query but in within().

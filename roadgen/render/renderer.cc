@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -46,16 +47,37 @@ struct RoadBatch {
     instances = gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size_bytes()), data.data());
     glVertexArrayVertexBuffer(vertex_array.id(), 0, instances.id(), 0, sizeof(RoadInstance));
     glVertexArrayBindingDivisor(vertex_array.id(), 0, 1);
-    constexpr GLint kComponents[] = {3, 3, 4, 4, 4, 4, 4, 2};
-    GLuint offset = 0;
-    for (GLuint location = 0; location < std::size(kComponents); ++location) {
+    struct Field {
+      GLint components;
+      GLenum type;
+      std::size_t offset;
+    };
+    constexpr Field kFields[] = {
+        {3, GL_FLOAT, offsetof(RoadInstance, start)},     {1, GL_UNSIGNED_INT, offsetof(RoadInstance, tile)},
+        {4, GL_FLOAT, offsetof(RoadInstance, shape)},     {4, GL_FLOAT, offsetof(RoadInstance, arc)},
+        {4, GL_FLOAT, offsetof(RoadInstance, height)},    {4, GL_FLOAT, offsetof(RoadInstance, superelevation)},
+        {4, GL_FLOAT, offsetof(RoadInstance, box)},       {4, GL_UNSIGNED_INT, offsetof(RoadInstance, road)},
+        {1, GL_FLOAT, offsetof(RoadInstance, section_s)}, {2, GL_UNSIGNED_INT, offsetof(RoadInstance, crossfall_left)},
+    };
+    for (GLuint location = 0; location < std::size(kFields); ++location) {
+      const auto [components, type, offset] = kFields[location];
       glEnableVertexArrayAttrib(vertex_array.id(), location);
-      glVertexArrayAttribFormat(vertex_array.id(), location, kComponents[location], GL_FLOAT, GL_FALSE, offset);
+      if (type == GL_FLOAT) {
+        glVertexArrayAttribFormat(vertex_array.id(), location, components, type, GL_FALSE, static_cast<GLuint>(offset));
+      } else {
+        glVertexArrayAttribIFormat(vertex_array.id(), location, components, type, static_cast<GLuint>(offset));
+      }
       glVertexArrayAttribBinding(vertex_array.id(), location, 0);
-      offset += static_cast<GLuint>(kComponents[location]) * sizeof(float);
     }
   }
 };
+
+// A table that the shaders read; never empty, so that it can be bound.
+gl::Buffer table_buffer(const Table& rows) {
+  const glm::vec4 none(0);
+  return rows.empty() ? gl::Buffer::with_data(sizeof none, &none)
+                      : gl::Buffer::with_data(static_cast<GLsizeiptr>(rows.size() * sizeof rows[0]), rows.data());
+}
 
 struct GroundBatch {
   gl::VertexArray vertex_array;
@@ -165,6 +187,7 @@ struct Renderer::State {
   gl::Buffer frame_uniforms;
   gl::VertexArray empty;
   RoadBatch planar, relief;
+  gl::Buffer tiles, sections, paint;
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
   Lighting lighting;
@@ -215,6 +238,17 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     glBindVertexArray(batch.vertex_array.id());
     glDrawElements(GL_TRIANGLES, batch.indices, GL_UNSIGNED_INT, nullptr);
   }
+  glDepthFunc(GL_GEQUAL);
+  glDepthMask(GL_FALSE);
+  programs.sky.use();
+  glBindVertexArray(empty.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_GREATER);
+  // Roads last: their antialiased edges fade over what lies behind.
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tiles.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, sections.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, paint.id());
   if (planar.count > 0) {
     programs.road_planar.use();
     glBindVertexArray(planar.vertex_array.id());
@@ -229,12 +263,6 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, relief.count);
     glDisable(GL_CULL_FACE);
   }
-  glDepthFunc(GL_GEQUAL);
-  glDepthMask(GL_FALSE);
-  programs.sky.use();
-  glBindVertexArray(empty.id());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glDepthMask(GL_TRUE);
   glBindVertexArray(0);
   glUseProgram(0);
 }
@@ -294,14 +322,18 @@ Result<Renderer> Renderer::create(Context& context) {
 
 Status Renderer::load_roads(const Network& network) {
   if (Status s = state_->context.make_current(); !s) return s;
-  std::vector<RoadInstance> planar, relief;
-  for (std::size_t i = 0; i < network.roads.size(); ++i) {
-    for (const Segment& segment : network.roads[i].segments) {
-      (planar_deviation_m(segment) <= kPlanarTolerance_m ? planar : relief).push_back(road_instance(segment, i));
-    }
+  const RoadScene scene = road_scene(network);
+  state_->planar.upload(scene.planar);
+  state_->relief.upload(scene.relief);
+  Table origins;
+  for (const RoadTile& tile : scene.tiles) {
+    const SplitPosition origin = split(tile.origin_m);
+    origins.emplace_back(origin.high, 0);
+    origins.emplace_back(origin.low, 0);
   }
-  state_->planar.upload(planar);
-  state_->relief.upload(relief);
+  state_->tiles = table_buffer(origins);
+  state_->sections = table_buffer(scene.sections);
+  state_->paint = table_buffer(scene.paint);
   return Done{};
 }
 

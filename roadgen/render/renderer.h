@@ -70,7 +70,7 @@ class Renderer {
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
   void set_lighting(const Lighting& lighting);
-  static constexpr int kBytesPerSegment = 112;
+  static constexpr int kBytesPerSegment = 128;
 
   // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
   Result<Frame> render(const Camera& camera, const FrameOptions& options);

@@ -1,5 +1,8 @@
-// A segment as the GPU sees it: one instance's attributes.
+// A network as the GPU sees it: tiles of segments, and the tables that segments refer to.
 #pragma once
+
+#include <cstdint>
+#include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -15,31 +18,57 @@ struct SplitPosition {
 };
 SplitPosition split(glm::dvec3 p);
 
-// The layout that shaders/road.vert declares; 112 bytes.
+// One segment, an instance's attributes in the layout that shaders/road.vert declares; 128 bytes.
 struct RoadInstance {
-  glm::vec3 start_high, start_low;
-  glm::vec4 shape;       // chord x, y (m), slopes a, b
-  glm::vec4 arc;         // arc length (m), c0, c1, s at the start (m)
-  glm::vec4 height;      // z1, z2, z3, s at the start modulo kNoisePeriod_m
-  glm::vec4 half_width;  // cubic in s
-  glm::vec4 box;         // y low, y high (chord frame), z low, z high (m above the start anchor)
-  glm::vec2 road;        // index of the road, s at the start modulo kDashPeriod_m
+  glm::vec3 start;           // start anchor relative to its tile, ENU, m
+  std::uint32_t tile;        // index of the tile
+  glm::vec4 shape;           // chord x, y (m), slopes a, b
+  glm::vec4 arc;             // arc length (m), c0, c1, s at the start (m)
+  glm::vec4 height;          // z1, z2, z3, what s at the start is more than its float
+  glm::vec4 superelevation;  // cubic in s, rad
+  glm::vec4 box;             // y low, y high (chord frame), z low, z high (m above the start anchor)
+  std::uint32_t road;        // index of the road
+  std::uint32_t section;     // where its section begins in SectionTable::data
+  std::uint32_t paint;       // first of its paint * 256 + how many
+  std::uint32_t flags;       // RoadFlags
+  float section_s;           // s at the start from the section's start, m
+  std::uint32_t crossfall_left, crossfall_right;  // each at the start and at the end, as two halves
+  std::uint32_t spare;
 };
-static_assert(sizeof(RoadInstance) == 112);
+static_assert(sizeof(RoadInstance) == 128);
 
-// Patterns along s repeat, so s is reduced by their periods in double before it becomes a float: NOISE_PERIOD of
-// shaders/lib/noise.glsl, and the broken line of shaders/road.frag.
+enum RoadFlags : std::uint32_t { kOpenStart = 1, kOpenEnd = 2 };
+
+// The noise repeats along s by NOISE_PERIOD of shaders/lib/noise.glsl.
 inline constexpr double kNoisePeriod_m = 4096;
-inline constexpr double kDashPeriod_m = 9;
 
-RoadInstance road_instance(const Segment& segment, std::size_t road_index);
+// What segments share. Four floats each.
+using Table = std::vector<glm::vec4>;
 
-// A segment whose surface departs from a plane by at most this is drawn as the paper's single quad.
+// Segments that lie together; their starts are floats relative to origin_m.
+struct RoadTile {
+  glm::dvec3 origin_m{0, 0, 0};
+  Bounds bounds;                                     // of all footprints and lanes' heights
+  std::uint32_t planar_first = 0, planar_count = 0;  // in RoadScene::planar
+  std::uint32_t relief_first = 0, relief_count = 0;  // in RoadScene::relief
+};
+inline constexpr double kTileSize_m = 256;
+
+struct RoadScene {
+  std::vector<RoadTile> tiles;
+  std::vector<RoadInstance> planar;  // drawn as the paper's single quad
+  std::vector<RoadInstance> relief;  // ray-cast within a box
+  Table sections;                    // layout: shaders/sections.glsl
+  Table paint;                       // likewise
+};
+RoadScene road_scene(const Network& network);
+
+// A segment whose surface departs from a plane by at most this, and whose lanes all lie on it, is drawn as a quad.
 inline constexpr double kPlanarTolerance_m = 1e-3;
 
 // Upper bound of the distance in height between the surface over the footprint and the plane through the start anchor
-// that rises along the chord to the end anchor. Proven: by the range of the cubic's deviation along s, and the lean
-// of the lines u = const.
+// that rises along the chord to the end anchor. Proven: by the range of the cubic's deviation along s, the lean of the
+// lines u = const, and the greatest slope across.
 double planar_deviation_m(const Segment& segment);
 
 }  // namespace roadgen

@@ -16,7 +16,10 @@ double wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * std::num
 bool is_finite(const Segment& s) {
   const double sum = s.start_m.x + s.start_m.y + s.end_m.x + s.end_m.y + s.slope_start + s.slope_end + s.s_start_m +
                      s.arc_m + s.elevation_m.c0 + s.elevation_m.c1 + s.elevation_m.c2 + s.elevation_m.c3 +
-                     s.half_width_m.c0 + s.half_width_m.c1 + s.half_width_m.c2 + s.half_width_m.c3;
+                     s.superelevation_rad.c0 + s.superelevation_rad.c1 + s.superelevation_rad.c2 +
+                     s.superelevation_rad.c3 + s.crossfall_left.c0 + s.crossfall_left.c1 + s.crossfall_right.c0 +
+                     s.crossfall_right.c1 + s.left_m.c0 + s.left_m.c1 + s.left_m.c2 + s.left_m.c3 + s.right_m.c0 +
+                     s.right_m.c1 + s.right_m.c2 + s.right_m.c3;
   return std::isfinite(sum);
 }
 
@@ -51,7 +54,7 @@ void check_segment(const Road& road, const Segment& segment, CheckReport& report
                                      " of the half width (bound " + number("%.3g", segment.bound.v * length) +
                                      " m): the road is too wide or too tightly bent here; import it again"));
   }
-  if (!(segment.half_width_m.range(segment.arc_m).low > 0)) {
+  if (!((segment.left_m - segment.right_m).range(segment.arc_m).low > 0)) {
     report.problems.push_back(at(road, s, "the width is not positive"));
   }
 }
@@ -65,7 +68,8 @@ void check_joint(const Road& road, const Segment& before, const Segment& after, 
   worst.curvature_per_m = std::max(worst.curvature_per_m, gap.curvature_per_m);
   worst.elevation_m = std::max(worst.elevation_m, gap.elevation_m);
   worst.grade = std::max(worst.grade, gap.grade);
-  worst.half_width_m = std::max(worst.half_width_m, gap.half_width_m);
+  worst.superelevation_rad = std::max(worst.superelevation_rad, gap.superelevation_rad);
+  worst.edge_m = std::max(worst.edge_m, gap.edge_m);
 
   // Coordinates are doubles: 1e7 m from the origin they step by 2e-9 m.
   const double size = std::max({std::abs(after.start_m.x), std::abs(after.start_m.y), 1.0});
@@ -84,8 +88,11 @@ void check_joint(const Road& road, const Segment& before, const Segment& after, 
   if (gap.elevation_m > 1e-6) {
     report.problems.push_back(at(road, s, "elevation gap of " + number("%.3g", gap.elevation_m) + " m"));
   }
-  if (gap.half_width_m > 1e-6) {
-    report.problems.push_back(at(road, s, "width gap of " + number("%.3g", 2 * gap.half_width_m) + " m"));
+  if (gap.edge_m > 1e-6 && before.section == after.section) {
+    report.problems.push_back(at(road, s, "width gap of " + number("%.3g", gap.edge_m) + " m"));
+  }
+  if (gap.superelevation_rad > 1e-6) {
+    report.problems.push_back(at(road, s, "superelevation gap of " + number("%.3g", gap.superelevation_rad) + " rad"));
   }
 }
 
@@ -120,10 +127,74 @@ RoadPose pose_at(const Road& road, double s_m, double t_m) {
   RoadPose pose;
   pose.heading_rad = heading_rad(segment, u);
   const glm::dvec2 left(-std::sin(pose.heading_rad), std::cos(pose.heading_rad));
-  pose.position_m = glm::dvec3(position_m(segment, u) + left * t_m, segment.elevation_m.value(local));
-  pose.pitch_rad = std::atan(segment.elevation_m.slope(local));
   pose.curvature_per_m = curvature_per_m(segment, u);
+  const double n = t_m * std::cos(segment.superelevation_rad.value(local));
+  const Lib::SurfaceSlope surface = surface_at(segment, local, n);
+  pose.position_m = glm::dvec3(position_m(segment, u) + left * n, surface.height);
+  pose.pitch_rad = std::atan(surface.ahead / std::max(1 - n * pose.curvature_per_m, 0.05));
+  pose.roll_rad = std::atan(surface.aside);
   return pose;
+}
+
+double section_offset_m(const Road& road, const Segment& segment) {
+  return segment.s_start_m - road.sections[segment.section].s_m;
+}
+
+Status set_sections(Road& road, std::vector<LaneSection> sections) {
+  constexpr double kSameStation_m = 1e-6;
+  if (sections.empty() || std::abs(sections.front().s_m) > kSameStation_m) {
+    return Error{ErrorCode::kData, "no lane section starts at s = 0", {}, 0, "road " + road.id};
+  }
+  std::size_t next = 0;
+  std::vector<Cubic> borders;
+  for (Segment& segment : road.segments) {
+    if (next < sections.size() && segment.s_start_m >= sections[next].s_m - kSameStation_m) {
+      sections[next].s_m = segment.s_start_m;
+      borders = sections[next++].borders_m();
+    }
+    if (next < sections.size() && sections[next].s_m < segment.s_start_m + segment.arc_m - kSameStation_m) {
+      return Error{ErrorCode::kData, at(road, sections[next].s_m, "a lane section starts within a segment")};
+    }
+    segment.section = static_cast<std::uint32_t>(next - 1);
+    const double by = segment.s_start_m - sections[next - 1].s_m;
+    segment.right_m = borders.front().shifted(by);
+    segment.left_m = borders.back().shifted(by);
+    set_bound(segment);
+  }
+  if (next < sections.size()) {
+    return Error{ErrorCode::kData, at(road, sections[next].s_m, "a lane section starts beyond the road's end")};
+  }
+  road.sections = std::move(sections);
+  return Done{};
+}
+
+void two_lane_sections(Road& road) {
+  road.sections.clear();
+  const auto side = [](const Cubic& width) {
+    std::vector<Lane> lanes(1);
+    lanes[0].mark.kind = MarkKind::kSolid;
+    lanes[0].width_m = width;
+    // No room for shoulders on a path.
+    if (width.c0 < 4 * kEdgeStrip_m) return lanes;
+    lanes[0].width_m.c0 -= kEdgeStrip_m;
+    lanes.push_back({.type = LaneType::kShoulder, .width_m = {kEdgeStrip_m}, .mark = {}});
+    return lanes;
+  };
+  const Segment* first = nullptr;
+  for (Segment& segment : road.segments) {
+    const bool shared = first && first->left_m.is_constant() && first->right_m.is_constant() &&
+                        segment.left_m == first->left_m && segment.right_m == first->right_m;
+    if (!shared) {
+      first = &segment;
+      LaneSection section;
+      section.s_m = segment.s_start_m;
+      section.center_mark.kind = MarkKind::kBroken;
+      section.left = side(segment.left_m);
+      section.right = side(-segment.right_m);
+      road.sections.push_back(std::move(section));
+    }
+    segment.section = static_cast<std::uint32_t>(road.sections.size() - 1);
+  }
 }
 
 void chain_arc_lengths(Road& road) {
@@ -141,7 +212,7 @@ void Bounds::add(glm::dvec3 p) {
 
 Bounds bounds(const Segment& segment) {
   Bounds b;
-  const Cubic::Range z = segment.elevation_m.range(segment.arc_m);
+  const Cubic::Range z = height_range_m(segment);
   for (const glm::dvec2 corner : fitted_quad(segment).corner) {
     const glm::dvec2 p = from_chord(segment, corner);
     b.add({p.x, p.y, z.low});
@@ -169,7 +240,9 @@ JointGap joint_gap(const Segment& before, const Segment& after) {
   gap.curvature_per_m = std::abs(curvature_per_m(after, 0) - curvature_per_m(before, 1));
   gap.elevation_m = std::abs(after.elevation_m.value(0) - before.elevation_m.value(before.arc_m));
   gap.grade = std::abs(after.elevation_m.slope(0) - before.elevation_m.slope(before.arc_m));
-  gap.half_width_m = std::abs(after.half_width_m.value(0) - before.half_width_m.value(before.arc_m));
+  gap.superelevation_rad = std::abs(after.superelevation_rad.value(0) - before.superelevation_rad.value(before.arc_m));
+  gap.edge_m = std::max(std::abs(after.left_m.value(0) - before.left_m.value(before.arc_m)),
+                        std::abs(after.right_m.value(0) - before.right_m.value(before.arc_m)));
   return gap;
 }
 

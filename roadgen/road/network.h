@@ -8,6 +8,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "roadgen/road/lane.h"
+#include "roadgen/road/paint.h"
 #include "roadgen/road/result.h"
 #include "roadgen/road/segment.h"
 
@@ -26,6 +28,10 @@ struct Road {
   std::string name;
   bool closed = false;            // the last segment ends at the first one's start
   std::vector<Segment> segments;  // s_start_m increasing from 0
+  // The cross sections, s_m increasing from 0, each from the start of a segment on. Never empty where there are
+  // segments: set_sections or two_lane_sections.
+  std::vector<LaneSection> sections;
+  std::vector<Paint> paint;
 
   double length_m() const { return segments.empty() ? 0 : segments.back().s_start_m + segments.back().arc_m; }
 };
@@ -43,8 +49,8 @@ struct Network {
 struct RoadPose {
   glm::dvec3 position_m{0, 0, 0};
   double heading_rad = 0;      // of the reference line, counter-clockwise from east
-  double pitch_rad = 0;        // nose up, along the reference line
-  double roll_rad = 0;         // right side down
+  double pitch_rad = 0;        // nose up: the surface's slope along the road
+  double roll_rad = 0;         // right side down: the surface's slope across
   double curvature_per_m = 0;  // of the reference line, positive to the left
 };
 
@@ -54,6 +60,19 @@ std::size_t segment_at(const Road& road, double s_m);
 
 // Road to world at arc length s_m and lateral offset t_m (left positive), on the surface.
 RoadPose pose_at(const Road& road, double s_m, double t_m);
+
+// Takes the sections into the road: sorts out which segment has which, and sets left_m and right_m of every segment to
+// the section's outer borders. Errors: kData where there is none, the first does not start at 0, or one starts
+// elsewhere than at a joint (within 1e-6 m).
+Status set_sections(Road& road, std::vector<LaneSection> sections);
+
+// One lane each way over the edges that the segments have, with hard shoulders of kEdgeStrip_m beyond solid edge lines
+// and a broken centre line. Segments of one constant width share a section.
+void two_lane_sections(Road& road);
+inline constexpr double kEdgeStrip_m = 0.26;
+
+// Arc length from the start of the segment's lane section to the start of the segment.
+double section_offset_m(const Road& road, const Segment& segment);
 
 // Sets s_start_m of every segment from the arc lengths.
 void chain_arc_lengths(Road& road);
@@ -75,7 +94,8 @@ struct JointGap {
   double curvature_per_m = 0;  // curvature may jump: the curve is G1
   double elevation_m = 0;
   double grade = 0;  // dz/ds
-  double half_width_m = 0;
+  double superelevation_rad = 0;
+  double edge_m = 0;  // of the left or the right edge; may jump where lanes begin or end
 };
 JointGap joint_gap(const Segment& before, const Segment& after);
 

@@ -79,27 +79,52 @@ double refined_nearest(glm::dvec2 p, double a, double b, double low, double u, d
 
 }  // namespace
 
-Cubic Cubic::hermite(double value0, double slope0, double value1, double slope1, double length_m) {
-  assert(length_m > 0);
-  const double rise = (value1 - value0) / length_m;
-  return {value0, slope0, (3 * rise - 2 * slope0 - slope1) / length_m,
-          (slope0 + slope1 - 2 * rise) / (length_m * length_m)};
+double Segment::max_half_width_m() const {
+  const Cubic::Range l = left_m.range(arc_m), r = right_m.range(arc_m);
+  return std::max({l.high, -l.low, r.high, -r.low});
 }
 
-Cubic::Range Cubic::range(double length_m) const {
-  Range r{std::min(c0, value(length_m)), std::max(c0, value(length_m))};
-  if (c2 == 0 && c3 == 0) return r;
-  // Stationary points: 3 c3 s^2 + 2 c2 s + c1 = 0.
-  const double discriminant = c2 * c2 - 3 * c3 * c1;
-  if (discriminant < 0) return r;
-  const double h = -(c2 + std::copysign(std::sqrt(discriminant), c2));
-  for (const double s : {c3 != 0 ? h / (3 * c3) : -1.0, h != 0 ? c1 / h : -1.0}) {
-    if (s > 0 && s < length_m) {
-      r.low = std::min(r.low, value(s));
-      r.high = std::max(r.high, value(s));
-    }
-  }
-  return r;
+Lib::RoadSurface surface(const Segment& segment) {
+  const Cubic &z = segment.elevation_m, &e = segment.superelevation_rad;
+  const Linear &l = segment.crossfall_left, &r = segment.crossfall_right;
+  return {segment.chord_length_m(),
+          segment.slope_start,
+          segment.slope_end,
+          segment.arc_m,
+          segment.arc_c0,
+          segment.arc_c1,
+          z.c1,
+          z.c2,
+          z.c3,
+          e.c0,
+          e.c1,
+          e.c2,
+          e.c3,
+          l.c0,
+          l.c1,
+          r.c0,
+          r.c1};
+}
+
+Cubic::Range height_range_m(const Segment& segment) {
+  Cubic::Range z = segment.elevation_m.range(segment.arc_m);
+  const Cubic::Range e = segment.superelevation_rad.range(segment.arc_m);
+  const auto tilt = [](double angle_rad) { return std::tan(std::clamp(angle_rad, -1.4, 1.4)); };
+  const auto greatest = [&](const Linear& fall) { return std::max(fall.c0, fall.value(segment.arc_m)); };
+  const auto least = [&](const Linear& fall) { return std::min(fall.c0, fall.value(segment.arc_m)); };
+  const double left = std::max(segment.left_m.range(segment.arc_m).high, 0.0);
+  const double right = std::max(-segment.right_m.range(segment.arc_m).low, 0.0);
+  z.low += std::min({0.0, left * (tilt(e.low) - greatest(segment.crossfall_left)),
+                     -right * (tilt(e.high) + greatest(segment.crossfall_right))});
+  z.high += std::max({0.0, left * (tilt(e.high) - least(segment.crossfall_left)),
+                      -right * (tilt(e.low) + least(segment.crossfall_right))});
+  return z;
+}
+
+Lib::SurfaceSlope surface_at(const Segment& segment, double local_s_m, double n_m) {
+  Lib::SurfaceSlope slope = Lib::surface_at(local_s_m, n_m, surface(segment));
+  slope.height += segment.elevation_m.c0;
+  return slope;
 }
 
 double Segment::chord_length_m() const { return glm::length(chord_m()); }
@@ -142,7 +167,7 @@ Segment make_segment(glm::dvec2 start_m, glm::dvec2 end_m, double heading_start_
   assert(std::cos(heading_start_rad - chord_heading) > 0 && std::cos(heading_end_rad - chord_heading) > 0);
   s.slope_start = std::tan(heading_start_rad - chord_heading);
   s.slope_end = std::tan(heading_end_rad - chord_heading);
-  s.half_width_m = {half_width_m, 0, 0, 0};
+  s.set_half_width_m({half_width_m, 0, 0, 0});
   set_arc(s);
   set_bound(s);
   return s;

@@ -6,30 +6,15 @@
 // (1, 0) at the end anchor, y to the left, divided by the chord length L.
 #pragma once
 
+#include <cstdint>
+
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "roadgen/road/cubic.h"
 #include "shaders/lib/glsl.h"
 
 namespace roadgen {
-
-// c0 + c1 s + c2 s^2 + c3 s^3, with s in metres from the start of the segment.
-struct Cubic {
-  double c0 = 0, c1 = 0, c2 = 0, c3 = 0;
-
-  double value(double s_m) const { return c0 + s_m * (c1 + s_m * (c2 + s_m * c3)); }
-  double slope(double s_m) const { return c1 + s_m * (2 * c2 + s_m * 3 * c3); }
-  double second(double s_m) const { return 2 * c2 + 6 * c3 * s_m; }
-
-  // The cubic with the given values and slopes at 0 and at length_m > 0.
-  static Cubic hermite(double value0, double slope0, double value1, double slope1, double length_m);
-
-  // Least and greatest value on [0, length_m], exact up to rounding.
-  struct Range {
-    double low, high;
-  };
-  Range range(double length_m) const;
-};
 
 // What the mapping can be wrong by, over a whole footprint; proven, not sampled. See mapping_bound.
 struct MappingBound {
@@ -46,14 +31,31 @@ struct Segment {
   double arc_m = 1;               // arc length of this segment, exact to 1e-12 relative
   double arc_c0 = 0, arc_c1 = 0;  // inner coefficients of road_arc, per L
   double arc_error_m = 0;         // maximum of |s(u) - exact arc length|, measured with a margin of 5 %
-  Cubic elevation_m;              // z(s - s_start)
-  Cubic half_width_m{3.5, 0, 0, 0};
-  MappingBound bound;  // for the greatest half width
+  // Profiles over s - s_start. Heights and slopes as in shaders/lib/surface.glsl.
+  Cubic elevation_m;
+  Cubic superelevation_rad;      // the cross section's turn, its left side up
+  Linear crossfall_left{0, 0};   // slope falling outward from the reference line, on its left
+  Linear crossfall_right{0, 0};  // and on its right
+  Cubic left_m{3.5, 0, 0, 0};    // t of the left edge
+  Cubic right_m{-3.5, 0, 0, 0};  // t of the right edge, below left_m
+  std::uint32_t section = 0;     // of Road::sections, whose outer borders the edges are
+  MappingBound bound;            // for max_half_width_m
 
   glm::dvec2 chord_m() const { return end_m - start_m; }
   double chord_length_m() const;
-  double max_half_width_m() const { return half_width_m.range(arc_m).high; }
+  // Greatest |t| of the edges: the W of the footprint |v| <= W / L.
+  double max_half_width_m() const;
+  void set_half_width_m(const Cubic& w) { left_m = w, right_m = -w; }
 };
+
+// The surface as the pixel shader has it; heights from elevation_m.c0.
+using Lib = glsl::Library<double>;
+Lib::RoadSurface surface(const Segment& segment);
+// Bounds of the surface's height over the footprint, lanes' own heights not counted; exact for level cross sections,
+// else an enclosure. Superelevation beyond 80 degrees counts as 80.
+Cubic::Range height_range_m(const Segment& segment);
+// At local_s_m from the segment's start and n_m horizontally from the reference line: height in world z, slopes.
+Lib::SurfaceSlope surface_at(const Segment& segment, double local_s_m, double n_m);
 
 // The default of what a segment may be wrong by, as a part of the half width W: |v - exact| <= 1e-4 W.
 inline constexpr double kMappingTolerance = 1e-4;
@@ -102,7 +104,6 @@ double arc_at(const Segment& segment, double u);
 double u_at_arc(const Segment& segment, double s_m);
 
 // (u, v) of a point by the road function, v in units of L: what the pixel shader computes.
-using Lib = glsl::Library<double>;
 Lib::RoadCoord project(const Segment& segment, glm::dvec2 point_m);
 
 // The truly nearest point of the segment's centre line to a point, anywhere in the plane; by bracketing and Newton in

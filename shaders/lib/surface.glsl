@@ -1,4 +1,10 @@
-// The road surface in space: the road function (road.glsl) plus a profile of height, and its intersection with a ray.
+// The road surface in space: the road function (road.glsl) plus its profile of height, superelevation and crossfall, and
+// its intersection with a ray. Cross sections stand in vertical planes perpendicular to the horizontal tangent, so the
+// surface is a height field over (s, n), n the horizontal distance from the reference line, positive to the left:
+//
+//   z(s, n) = elevation(s) + n tan(superelevation(s)) - |n| crossfall(s) of n's side,
+//
+// and OpenDRIVE's t, measured in the tilted cross section, is n / cos(superelevation).
 // Frame: x, y in the chord frame (units of L), z in metres above the start anchor.
 
 struct RoadSurface {
@@ -11,6 +17,14 @@ struct RoadSurface {
   float z1;     // height above the start anchor: z1 s + z2 s^2 + z3 s^3
   float z2;
   float z3;
+  float e0;     // superelevation, rad: e0 + e1 s + e2 s^2 + e3 s^3, rising to the left
+  float e1;
+  float e2;
+  float e3;
+  float left0;  // crossfall to the left of the reference line: left0 + left1 s, falling outward
+  float left1;
+  float right0;  // and to the right
+  float right1;
 };
 
 // Arc length in metres from the start anchor.
@@ -18,13 +32,25 @@ FN float surface_arc(IN(float) u, IN(RoadSurface) r) {
   return r.chord * road_arc(u, r.a, r.b, r.arc / r.chord, r.c0, r.c1);
 }
 
-FN float surface_height(IN(float) u, IN(RoadSurface) r) {
-  return road_cubic(surface_arc(u, r), float(0.0), r.z1, r.z2, r.z3);
-}
+// What the surface does at (s, n).
+struct SurfaceSlope {
+  float height;  // m above the start anchor
+  float ahead;   // dz/ds at constant n
+  float aside;   // dz/dn
+  float cosine;  // t = n / cosine
+};
 
-// dz/ds at u.
-FN float surface_grade(IN(float) u, IN(RoadSurface) r) {
-  return road_dcubic(surface_arc(u, r), r.z1, r.z2, r.z3);
+FN SurfaceSlope surface_at(IN(float) s, IN(float) n, IN(RoadSurface) r) {
+  float e = road_cubic(s, r.e0, r.e1, r.e2, r.e3);
+  float tilt = sin(e) / cos(e);
+  float fall = n > 0.0 ? r.left0 + r.left1 * s : -(r.right0 + r.right1 * s);
+  float fall1 = n > 0.0 ? r.left1 : -r.right1;
+  SurfaceSlope z;
+  z.height = road_cubic(s, float(0.0), r.z1, r.z2, r.z3) + n * (tilt - fall);
+  z.aside = tilt - fall;
+  z.ahead = road_dcubic(s, r.z1, r.z2, r.z3) + n * (road_dcubic(s, r.e1, r.e2, r.e3) * (1.0 + tilt * tilt) - fall1);
+  z.cosine = cos(e);
+  return z;
 }
 
 struct RoadHit {
@@ -37,16 +63,18 @@ struct RoadHit {
 };
 
 // Where the ray (x, y, z) + k (dx, dy, dz) meets the plane through the segment's chord: where to begin.
-FN float surface_chord_plane(IN(float) x, IN(float) z, IN(float) dx, IN(float) dz, IN(RoadSurface) r) {
-  float rise = surface_height(float(1.0), r);
-  float approach = dz - rise * dx;
+FN float surface_chord_plane(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
+                             IN(RoadSurface) r) {
+  float rise = road_cubic(r.arc, float(0.0), r.z1, r.z2, r.z3);
+  float tilt = road_cubic(0.5 * r.arc, r.e0, r.e1, r.e2, r.e3) * r.chord;
+  float approach = dz - rise * dx - tilt * dy;
   approach = abs(approach) < 1e-6 ? float(-1e-6) : approach;
-  return (rise * x - z) / approach;
+  return (rise * x + tilt * y - z) / approach;
 }
 
 // Where the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], meets the surface: Newton from k_start, kept inside
-// the interval. The surface is level across, so its height depends on u alone, and
-// du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f'') from equation 1.
+// the interval. From equation 1, du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f''), and n changes with the part of
+// (dx, dy) across the tangent.
 FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
                              IN(float) k_start, IN(float) k_low, IN(float) k_high, IN(RoadSurface) r) {
   RoadHit hit;
@@ -57,13 +85,15 @@ FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
     RoadCoord c = road_project(hit.x, hit.y, r.a, r.b);
     hit.u = c.u;
     hit.v = c.v;
-    float above = z + hit.k * dz - surface_height(c.u, r);
+    SurfaceSlope surface = surface_at(surface_arc(c.u, r), c.v * r.chord, r);
+    float above = z + hit.k * dz - surface.height;
     hit.residual = abs(above);
     float df = road_df(c.u, r.a, r.b);
     float turn = max(1.0 + df * df - (hit.y - road_f(c.u, r.a, r.b)) * road_ddf(c.u, r.a, r.b), float(0.05));
     float du = (c.u > 0.0 && c.u < 1.0) ? (dx + df * dy) / turn : float(0.0);
     float ds = r.chord * road_darc(c.u, r.a, r.b, r.arc / r.chord, r.c0, r.c1) * du;
-    float closing = dz - surface_grade(c.u, r) * ds;
+    float dn = r.chord * (dy - df * dx) / sqrt(1.0 + df * df);
+    float closing = dz - surface.ahead * ds - surface.aside * dn;
     closing = abs(closing) < 1e-6 ? float(-1e-6) : closing;
     if (i < 6) hit.k = clamp(hit.k - above / closing, k_low, k_high);
   }
@@ -74,7 +104,7 @@ FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
 FN float surface_above(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz, IN(float) k,
                        IN(RoadSurface) r) {
   RoadCoord c = road_project(x + k * dx, y + k * dy, r.a, r.b);
-  return z + k * dz - surface_height(c.u, r);
+  return z + k * dz - surface_at(surface_arc(c.u, r), c.v * r.chord, r).height;
 }
 
 // Halves [k_low, k_high] twelve times, keeping the end where the ray is on the other side of the surface than at k_low:

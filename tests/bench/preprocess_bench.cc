@@ -48,18 +48,13 @@ void AnchorsToSegments(benchmark::State& state) {
 BENCHMARK(AnchorsToSegments)->Arg(1000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
 void SegmentsToInstances(benchmark::State& state) {
-  const auto road = road_from_anchors(winding_anchors(10000), {});
+  auto road = road_from_anchors(winding_anchors(10000), {});
   if (!road) return state.SkipWithError(road.error().text().c_str());
-  std::vector<RoadInstance> instances;
-  for (auto _ : state) {
-    instances.clear();
-    for (const Segment& segment : road->segments) {
-      benchmark::DoNotOptimize(planar_deviation_m(segment));
-      instances.push_back(road_instance(segment, 0));
-    }
-  }
+  Network network;
+  network.roads.push_back(std::move(*road));
+  for (auto _ : state) benchmark::DoNotOptimize(road_scene(network));
   state.counters["segments/s"] =
-      benchmark::Counter(static_cast<double>(road->segments.size()), benchmark::Counter::kIsIterationInvariantRate);
+      benchmark::Counter(static_cast<double>(network.segment_count()), benchmark::Counter::kIsIterationInvariantRate);
   state.counters["bytes/segment_gpu"] = sizeof(RoadInstance);
 }
 BENCHMARK(SegmentsToInstances)->Unit(benchmark::kMillisecond);

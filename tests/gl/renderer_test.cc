@@ -85,7 +85,7 @@ std::optional<Hit> cast(const Network& network, const Camera& camera, double px,
         const glm::dvec2 p = origin + low * along;
         const bool inside = p.x + segment.slope_start * p.y >= -1e-9 && 1 - p.x - segment.slope_end * p.y >= -1e-9;
         const auto c = Lib::road_project(p.x, p.y, segment.slope_start, segment.slope_end);
-        const double s = arc_at(segment, c.u), edge = std::abs(c.v) * length - segment.half_width_m.value(s);
+        const double s = arc_at(segment, c.u), edge = std::abs(c.v) * length - segment.left_m.value(s);
         if (inside && edge < 0.5) {
           if (!best || low < best->depth_m) best = Hit{low, segment.s_start_m + s, c.v * length, edge};
           break;

@@ -15,15 +15,26 @@ namespace {
 
 // clang-format off
 #define float Real
-SHADER_CASE(Height, 10, 3, RoadSurface r = RoadSurface(x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9]);
-                           y[0] = surface_arc(x[0], r); y[1] = surface_height(x[0], r); y[2] = surface_grade(x[0], r);)
-SHADER_CASE(Intersect, 15, 3,
-            RoadSurface r = RoadSurface(x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14]);
-            float start = surface_chord_plane(x[0], x[2], x[3], x[5], r);
+SHADER_CASE(Height, 19, 5, RoadSurface r = RoadSurface(x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10],
+                                                       x[11], x[12], x[13], x[14], x[15], x[16], x[17]);
+                           y[0] = surface_arc(x[0], r); SurfaceSlope z = surface_at(y[0], x[18], r);
+                           y[1] = z.height; y[2] = z.ahead; y[3] = z.aside; y[4] = z.cosine;)
+SHADER_CASE(Intersect, 23, 3,
+            RoadSurface r = RoadSurface(x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14], x[15], x[16], x[17],
+                                        x[18], x[19], x[20], x[21], x[22]);
+            float start = surface_chord_plane(x[0], x[1], x[2], x[3], x[4], x[5], r);
             RoadHit h = surface_intersect(x[0], x[1], x[2], x[3], x[4], x[5], start, float(-40.0), float(0.0), r);
             y[0] = h.k; y[1] = h.u; y[2] = h.v * r.chord;)
-SHADER_CASE(Stripe, 4, 1, y[0] = marking_stripe(x[0], x[1], x[1] + x[2], x[3]);)
-SHADER_CASE(Dash, 2, 1, y[0] = marking_dash(x[0], float(9.0), float(3.0), x[1]);)
+SHADER_CASE(Step, 3, 1, y[0] = filter_step(x[0], x[1], x[2]);)
+SHADER_CASE(Dash, 3, 1, y[0] = marking_dash(x[0], float(9.0), float(3.0), x[1], x[2]);)
+SHADER_CASE(Border, 6, 6, for (int i = 1; i <= 6; ++i) {
+              y[i - 1] = marking_border(i, x[0], x[1], float(0.12), float(0.12), float(3.0), float(6.0), x[2], x[3], x[4],
+                                        x[5]); })
+SHADER_CASE(Arrow, 2, 3, y[0] = marking_arrow(x[0], x[1], float(4.0), float(1.2), float(0.0), false);
+                         y[1] = marking_arrow(x[0], x[1], float(4.0), float(1.2), float(1.0), false);
+                         y[2] = marking_arrow(x[0], x[1], float(4.0), float(1.2), float(-1.0), true);)
+SHADER_CASE(Materials, 4, 6, for (int i = 0; i < 6; ++i) {
+              vec3 c = material_albedo(i, x[0], x[1], float(0.5), float(3.0), x[2], x[3]); y[i] = c.y; })
 SHADER_CASE(NoiseValue, 2, 1, y[0] = noise_value(x[0], x[1], float(2.0));)
 SHADER_CASE(NoiseSlope, 2, 3, vec3 n = noise_value_slope(x[0], x[1], float(8.0)); y[0] = n.x; y[1] = n.y; y[2] = n.z;)
 SHADER_CASE(NoiseFractal, 3, 2, y[0] = noise_fractal(x[0], x[1], float(64.0), 5, float(0.5), x[2]);
@@ -38,25 +49,45 @@ SHADER_CASE(Asphalt, 3, 1, vec3 c = ground_asphalt(x[0], x[1], x[2]); y[0] = c.x
 #undef float
 // clang-format on
 
-// chord, a, b, arc, c0, c1, z1, z2, z3 of an admissible segment with a grade up to 12 % at both ends.
+// A RoadSurface: an admissible segment with grades up to 12 %, superelevation up to 8 degrees and crossfall to 4 %.
 void surface(Random& random, double* x) {
   const double length = random.uniform(4, 40);
   Segment s = make_segment({0, 0}, {length, 0}, random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 3.5);
   const double grade0 = random.uniform(-0.12, 0.12), grade1 = random.uniform(-0.12, 0.12);
   const Cubic z = Cubic::hermite(0, grade0, s.arc_m * random.uniform(-0.12, 0.12), grade1, s.arc_m);
-  const double values[] = {length, s.slope_start, s.slope_end, s.arc_m, s.arc_c0, s.arc_c1, z.c1, z.c2, z.c3};
+  const auto bank = [&] { return random.uniform(-0.14, 0.14); };
+  const Cubic e = Cubic::hermite(bank(), 0, bank(), 0, s.arc_m);
+  const auto fall = [&] { return random.uniform(0.02, 0.04); };
+  const double values[] = {length,
+                           s.slope_start,
+                           s.slope_end,
+                           s.arc_m,
+                           s.arc_c0,
+                           s.arc_c1,
+                           z.c1,
+                           z.c2,
+                           z.c3,
+                           e.c0,
+                           e.c1,
+                           e.c2,
+                           e.c3,
+                           fall(),
+                           random.uniform(-1, 1) * 0.02 / s.arc_m,
+                           fall(),
+                           random.uniform(-1, 1) * 0.02 / s.arc_m};
   std::copy(std::begin(values), std::end(values), x);
 }
 
 void height_inputs(Random& random, double* x) {
   x[0] = random.uniform(0, 1);
   surface(random, x + 1);
+  x[18] = random.uniform(-5, 5);
 }
 
-// A ray down to a point near the centre of the surface, at 10 degrees or steeper, that ends a little below it.
+// A ray down to a point near the centre of the surface, at 25 degrees or steeper, that ends a little below it.
 void ray_inputs(Random& random, double* x) {
   surface(random, x + 6);
-  const double down = -random.uniform(0.17, 1), turn = random.uniform(0, 6.28), length = x[6];
+  const double down = -random.uniform(0.42, 1), turn = random.uniform(0, 6.28), length = x[6];
   const double across = std::sqrt(1 - down * down);
   const double d[] = {across * std::cos(turn) / length, across * std::sin(turn) / length, down};
   x[0] = random.uniform(0.3, 0.7);
@@ -68,9 +99,14 @@ void ray_inputs(Random& random, double* x) {
 // Limits: about twice what llvmpipe measures.
 const FunctionCase kCases[] = {
     {"surface_height", Height, height_inputs, 1.7e-6},
-    {"surface_intersect", Intersect, ray_inputs, 4.6e-6, 28},  // z of metres over sin 10 degrees, and its inverse
-    {"marking_stripe", Stripe, uniform_inputs({{-5, 5}, {-5, 5}, {0.1, 0.5}, {0.01, 2}}), 3.3e-5},  // divides by 1 cm
-    {"marking_dash", Dash, uniform_inputs({{0, 40}, {0.02, 20}}), 3.1e-4},            // likewise, by 2 cm of 40 m
+    {"surface_intersect", Intersect, ray_inputs, 4.6e-6,
+     28},  // z of metres over the sine of what banks leave of 25 degrees
+    {"filter_step", Step, uniform_inputs({{-2, 2}, {-1, 1}, {-1, 1}}), 1e-5, 64},       // divides by 0.02
+    {"marking_dash", Dash, uniform_inputs({{0, 40}, {0.02, 20}, {0.02, 20}}), 3.1e-4},  // by 2 cm of 40 m
+    {"marking_border", Border, uniform_inputs({{-1, 1}, {0, 40}, {-0.2, 0.2}, {-0.2, 0.2}, {-2, 2}, {-2, 2}}), 1e-3,
+     64},
+    {"marking_arrow", Arrow, uniform_inputs({{-3, 3}, {-1, 1}}), 1e-6},
+    {"material_albedo", Materials, uniform_inputs({{0, 200}, {-9, 9}, {0.02, 1}, {0.02, 1}}), 1e-3, 64},
     {"noise_value", NoiseValue, uniform_inputs({{-200, 200}, {-200, 200}}), 2.7e-6},  // 200 m / 2 m in 24 bits
     {"noise_value_slope", NoiseSlope, uniform_inputs({{-200, 200}, {-200, 200}}), 3.6e-6},
     {"noise_fractal", NoiseFractal, uniform_inputs({{-200, 200}, {-200, 200}, {0, 4}}), 3.4e-6},
@@ -85,9 +121,9 @@ class LibraryShader : public GlTest, public ::testing::WithParamInterface<Functi
 
 TEST_P(LibraryShader, MatchesDoublePrecision) {
   if (!make_context(ContextKind::kOsmesa)) return;
-  check_case(
-      {"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl", "lib/ground.glsl"},
-      GetParam(), 100000);
+  check_case({"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl",
+              "lib/ground.glsl", "lib/material.glsl"},
+             GetParam(), 100000);
 }
 
 INSTANTIATE_TEST_SUITE_P(, LibraryShader, ::testing::ValuesIn(kCases),
@@ -95,33 +131,41 @@ INSTANTIATE_TEST_SUITE_P(, LibraryShader, ::testing::ValuesIn(kCases),
 
 using Twin = glsl::Library<double>;
 
-TEST(Marking, TheBoxFilterOfAStripeIsItsMeanOverTheBox) {
+// Mean of a function over the square pixel, from a fine grid.
+template <class F>
+double pixel_mean(F&& f, int samples) {
+  double sum = 0;
+  for (int j = 0; j < samples; ++j) {
+    for (int i = 0; i < samples; ++i) sum += f((i + 0.5) / samples - 0.5, (j + 0.5) / samples - 0.5);
+  }
+  return sum / (samples * samples);
+}
+
+TEST(Marking, TheStepIsThePartOfThePixelBeyondTheLine) {
   Random random(3);
-  for (int i = 0; i < 2000; ++i) {
-    const double x = random.uniform(-3, 3), low = random.uniform(-2, 1), high = low + random.uniform(0.01, 1.5);
-    const double width = random.uniform(0.05, 3);
-    int inside = 0;
-    constexpr int kSamples = 2000;
-    for (int k = 0; k < kSamples; ++k) {
-      const double p = x + width * ((k + 0.5) / kSamples - 0.5);
-      inside += p >= low && p <= high;
-    }
-    EXPECT_NEAR(Twin::marking_stripe(x, low, high, width), static_cast<double>(inside) / kSamples, 1.1 / kSamples);
+  for (int i = 0; i < 400; ++i) {
+    const double d = random.uniform(-1, 1), a = random.uniform(-1, 1), b = random.uniform(-1, 1);
+    const double exact = pixel_mean([&](double x, double y) { return d + a * x + b * y >= 0; }, 200);
+    EXPECT_NEAR(Twin::filter_step(d, a, b), exact, 0.01);  // the grid's own error, and the step's 0.005
+    EXPECT_EQ(Twin::filter_step(d, 0.0, 0.0), d >= 0 ? 1 : 0);
+    EXPECT_NEAR(Twin::filter_step(d, a, b) + Twin::filter_step(-d, a, b), 1, 1e-12);
   }
 }
 
-TEST(Marking, TheBoxFilterOfDashesIsTheirMeanOverTheBox) {
+TEST(Marking, DashesAreTheirMeanOverThePixel) {
   Random random(4);
-  for (int i = 0; i < 2000; ++i) {
-    const double x = random.uniform(-30, 30), width = random.uniform(0.05, 25);
-    int inside = 0;
-    constexpr int kSamples = 4000;
-    for (int k = 0; k < kSamples; ++k) {
-      const double p = x + width * ((k + 0.5) / kSamples - 0.5);
-      inside += p - 9 * std::floor(p / 9) < 3;
-    }
-    EXPECT_NEAR(Twin::marking_dash(x, 9.0, 3.0, width), static_cast<double>(inside) / kSamples, 7.0 / kSamples);
+  double sum = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double s = random.uniform(-30, 30), a = random.uniform(-15, 15), b = random.uniform(-15, 15);
+    const auto lit = [&](double x, double y) {
+      const double p = s + a * x + b * y;
+      return p - 9 * std::floor(p / 9) < 3;
+    };
+    const double error = std::abs(Twin::marking_dash(s, 9.0, 3.0, a, b) - pixel_mean(lit, 200));
+    EXPECT_LT(error, 0.12);  // the corner of a dash, where two points stand for the narrower spread
+    sum += error;
   }
+  EXPECT_LT(sum / 400, 0.02);
 }
 
 TEST(Noise, RepeatsAfterItsPeriodAndItsSlopesAreItsDerivatives) {

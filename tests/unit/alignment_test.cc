@@ -119,8 +119,8 @@ void expect_road_through(const std::vector<Anchor>& anchors, const Road& road, b
     if (k == anchors.size() || s.start_m != anchors[k].position_m) continue;
     ASSERT_NEAR(s.elevation_m.value(0), anchors[k].elevation_m, 1e-9);
     if (!narrowed) {
-      ASSERT_NEAR(s.half_width_m.value(0), anchors[k].half_width_m, 1e-9);
-      ASSERT_NEAR(s.half_width_m.slope(0), 0, 1e-9);
+      ASSERT_NEAR(s.left_m.value(0), anchors[k].half_width_m, 1e-9);
+      ASSERT_NEAR(s.left_m.slope(0), 0, 1e-9);
     }
     ++k;
   }
@@ -233,7 +233,7 @@ TEST(Alignment, NarrowedWidthNeverExceedsTheOneAskedFor) {
     double least = 4, s_narrow = -1;
     for (const Segment& s : road->segments) {
       ASSERT_LE(s.max_half_width_m(), 4 * (1 + 1e-12));
-      const Cubic::Range range = s.half_width_m.range(s.arc_m);
+      const Cubic::Range range = s.left_m.range(s.arc_m);
       ASSERT_GE(range.low, kLeastHalfWidth_m * (1 - 1e-6));
       if (range.low < least) least = range.low, s_narrow = s.s_start_m;
     }

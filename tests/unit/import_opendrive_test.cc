@@ -86,7 +86,8 @@ TEST(OpenDrive, RoundTripIsExactAndTheSecondFileIsTheFirst) {
         EXPECT_EQ(a.s_start_m, b.s_start_m);
         EXPECT_EQ(a.bound.v, b.bound.v);
         expect_same(a.elevation_m, b.elevation_m);
-        expect_same(a.half_width_m, b.half_width_m);
+        expect_same(a.left_m, b.left_m);
+        expect_same(a.right_m, b.right_m);
       }
     }
     EXPECT_EQ(written(*back), text);
@@ -185,7 +186,7 @@ TEST(OpenDrive, ForeignLinesProfilesAndGeoreferenceAreRead) {
   EXPECT_EQ(road.id, "7");
   EXPECT_DOUBLE_EQ(road.length_m(), 150);
   EXPECT_NEAR(road.segments[1].elevation_m.value(0), 11, 1e-12);
-  EXPECT_EQ(road.segments[1].half_width_m.c0, 3);
+  EXPECT_EQ(road.segments[1].left_m.c0, 3);
   EXPECT_EQ(network->georeference->latitude_deg, 50);
   EXPECT_TRUE(check(*network).ok());
 }

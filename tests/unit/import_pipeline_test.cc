@@ -98,8 +98,8 @@ TEST(Import, WidthsOfTheFileBecomeHalfWidths) {
   ImportOptions options;
   options.width_m = 9;
   const Road road = imported({path}, options).network.roads[0];
-  EXPECT_NEAR(road.segments.front().half_width_m.value(0), 2, 0.1);
-  EXPECT_NEAR(road.segments.back().half_width_m.value(road.segments.back().arc_m), 4.5, 0.1);
+  EXPECT_NEAR(road.segments.front().left_m.value(0), 2, 0.1);
+  EXPECT_NEAR(road.segments.back().left_m.value(road.segments.back().arc_m), 4.5, 0.1);
 }
 
 TEST(Import, ProgressGrowsFromNothingToAll) {

@@ -118,10 +118,10 @@ TEST(Check, FindsEveryPlantedFault) {
       {"position gap", [](Road& r) { r.segments[4].start_m.x += 1e-6; }},
       {"heading gap", [](Road& r) { r.segments[4].slope_start += 1e-6; }},
       {"elevation gap", [](Road& r) { r.segments[4].elevation_m.c0 += 1e-3; }},
-      {"width gap", [](Road& r) { r.segments[4].half_width_m.c0 += 1e-3; }},
+      {"width gap", [](Road& r) { r.segments[4].left_m.c0 += 1e-3; }},
       {"width is not positive",
        [](Road& r) {
-         r.segments[4].half_width_m = {0.5, -1, 0, 0};
+         r.segments[4].set_half_width_m({0.5, -1, 0, 0});
        }},
       {"not finite", [](Road& r) { r.segments[4].elevation_m.c2 = std::numeric_limits<double>::quiet_NaN(); }},
       {"no length", [](Road& r) { r.segments[4].end_m = r.segments[4].start_m; }},
@@ -129,7 +129,7 @@ TEST(Check, FindsEveryPlantedFault) {
       {"not certified",
        [](Road& r) {
          for (Segment& s : r.segments) {
-           s.half_width_m.c0 = 49;
+           s.left_m.c0 = 49;
            set_bound(s);
          }
        }},

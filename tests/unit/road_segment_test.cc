@@ -34,7 +34,7 @@ class Segments {
   Segment next_admissible() {
     for (;;) {
       Segment s = next(0.7);
-      s.half_width_m = {uniform(0.01, 0.4) * s.chord_length_m(), 0, 0, 0};
+      s.set_half_width_m({uniform(0.01, 0.4) * s.chord_length_m(), 0, 0, 0});
       set_bound(s);
       if (is_admissible(s)) return s;
     }
@@ -211,7 +211,7 @@ TEST(Nearest, FindsPointsPlacedOnTheNormal) {
   Segments random(32);
   for (int i = 0; i < 3000; ++i) {
     const Segment s = random.next_admissible();
-    const double length = s.chord_length_m(), width = s.half_width_m.c0 / length;
+    const double length = s.chord_length_m(), width = s.left_m.c0 / length;
     const double u = random.uniform(0, 1), v = random.uniform(-width, width);
     const Nearest found = nearest(s, from_chord(s, beside(s.slope_start, s.slope_end, u, v)));
     // Coordinates of 1e4 m are known to 2e-12 m.
@@ -264,7 +264,7 @@ TEST(FittedQuad, CoversTheFootprint) {
     const Segment s = random.next_admissible();
     const Quad quad = fitted_quad(s);
     const glm::dvec2 ring[4] = {quad.corner[0], quad.corner[2], quad.corner[3], quad.corner[1]};
-    const double w = s.half_width_m.c0 / s.chord_length_m();
+    const double w = s.left_m.c0 / s.chord_length_m();
     for (int k = 0; k < 20; ++k) {
       const glm::dvec2 p = beside(s.slope_start, s.slope_end, k < 4 ? k % 2 : random.uniform(0, 1),
                                   k < 4 ? (k / 2 ? w : -w) : random.uniform(-w, w));
@@ -313,7 +313,7 @@ TEST(Segment, ProjectAgreesWithNearestToTheBound) {
   Segments random(62);
   for (int i = 0; i < 3000; ++i) {
     const Segment s = random.next_admissible();
-    const double length = s.chord_length_m(), w = s.half_width_m.c0 / length, v = random.uniform(-w, w);
+    const double length = s.chord_length_m(), w = s.left_m.c0 / length, v = random.uniform(-w, w);
     const glm::dvec2 p = from_chord(s, beside(s.slope_start, s.slope_end, random.uniform(0, 1), v));
     ASSERT_NEAR(std::abs(project(s, p).v) * length, nearest(s, p).distance_m, s.bound.v * length + 1e-9);
   }

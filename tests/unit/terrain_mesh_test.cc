@@ -49,7 +49,7 @@ Clearance independent_clearance(const Network& network, double step_m, const Gro
   for (const Road& road : network.roads) {
     for (double s = 0; s <= road.length_m(); s += step_m) {
       const Segment& segment = road.segments[segment_at(road, s)];
-      const double w = segment.half_width_m.value(s - segment.s_start_m);
+      const double w = segment.left_m.value(s - segment.s_start_m);
       for (double t = -w; t <= w + 1e-9; t += step_m) {
         const RoadPose pose = pose_at(road, s, std::min(t, w));
         const double clearance = pose.position_m.z - ground(glm::dvec2(pose.position_m));

@@ -1,0 +1,45 @@
+// The tables of roadgen/render/road_instance.h: cross sections and paint.
+//
+// A section: (borders, levels, -, -), the heights of the levels (the first is the road surface, 0), and for each border
+// from right to left three rows: its t as a cubic in s from the section's start; its mark (kind + 8 color, width,
+// space, on); and (off, the strip to its left, the strip's lane id, -). A strip: material + 8 right level +
+// 32 left level + 128 if vehicles drive there. Paint: (s, t, length, width), s from the segment's start, and
+// (kind, color, stripe, against).
+#define LEVELS 4
+
+layout(std430, binding = 1) readonly buffer Sections { vec4 section_rows[]; };
+layout(std430, binding = 2) readonly buffer Paint { vec4 paint_rows[]; };
+
+struct Strip {
+  int material;
+  int right_level;
+  int left_level;
+  bool driving;
+  float lane;
+};
+
+float section_border(uint section, int border, float ds) {
+  vec4 c = section_rows[section + 2u + 3u * uint(border)];
+  return road_cubic(ds, c.x, c.y, c.z, c.w);
+}
+
+Strip section_strip(uint section, int border) {
+  vec4 row = section_rows[section + 4u + 3u * uint(border)];
+  int code = int(row.y);
+  return Strip(code & 7, (code >> 3) & 3, (code >> 5) & 3, code >= 128, row.z);
+}
+
+struct Mark {
+  int kind;
+  int color;
+  float width;
+  float space;
+  float on;
+  float off;
+};
+
+Mark section_mark(uint section, int border) {
+  vec4 row = section_rows[section + 3u + 3u * uint(border)];
+  int code = int(row.x);
+  return Mark(code & 7, code >> 3, row.y, row.z, row.w, section_rows[section + 4u + 3u * uint(border)].x);
+}
