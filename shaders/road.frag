@@ -34,6 +34,8 @@ const uint kOpenEnd = 2u;
 struct Spot {
   float s;        // from the segment's start
   float t;
+  float h;        // above the road surface: the level's, but where the ray does not get there
+  float missed;   // what t would still change by until there, at most a pixel
   vec2 p;         // in the chord frame
   vec3 position;  // relative to the eye
   vec3 normal;
@@ -45,6 +47,7 @@ struct Spot {
 
 Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, vec3 position) {
   Spot spot;
+  spot.h = spot.missed = 0.0;
   spot.p = p;
   spot.position = position;
   spot.on = true;
@@ -135,13 +138,35 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
     RoadHit other = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, k.x, k.y, r);
     if (other.residual <= tolerance && abs(other.v) < abs(hit.v)) hit = other;
   }
+  float above = 0.0;
+  float shift = 0.0;
+  if (hit.residual > tolerance) {
+    // It passes this level before the segment or after it: held at that end, and moved on across by what it would still
+    // go there, so that the pixels at a joint agree on both sides.
+    float first = surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, r);
+    float last = surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, r);
+    bool at_first = abs(first) < abs(last);
+    above = at_first ? first : last;
+    hit.k = at_first ? k.x : k.y;
+    hit.x = from.x + hit.k * toward.x;
+    hit.y = from.y + hit.k * toward.y;
+    RoadCoord end = road_project(hit.x, hit.y, r.a, r.b);
+    hit.u = end.u;
+    hit.v = end.v;
+    float back = hit.k + (at_first ? 0.1 : -0.1) * (k.y - k.x);
+    RoadCoord inside = road_project(from.x + back * toward.x, from.y + back * toward.y, r.a, r.b);
+    float climb = surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, back, r) - above;
+    shift = (inside.v - end.v) * r.chord * above / (abs(climb) < 1e-6 ? -1e-6 : climb);
+  }
   vec3 place = point + hit.k * ray.along - eye;
   RoadCoord c;
   c.u = hit.u;
   c.v = hit.v;
-  Spot spot = spot_at(r, vec2(hit.x, hit.y), c,
-                      vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z));
+  Spot spot = spot_at(r, vec2(hit.x, hit.y), c, vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z));
   spot.on = hit.residual <= tolerance;
+  spot.h = lift + above;
+  float pixel_t = abs(spot.t_step.x) + abs(spot.t_step.y);
+  spot.missed = clamp(-shift, -pixel_t, pixel_t);
   return spot;
 }
 #endif
@@ -169,17 +194,23 @@ struct Pixel {
   vec3 normal;
   float label;
   float most;
+  bool on;         // some part lies on this segment
 };
 
-void add_part(inout Pixel pixel, float part, vec3 color, Spot spot, vec3 normal, float lane, float label) {
+Pixel no_pixel() {
+  return Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0, false);
+}
+
+void add_part(inout Pixel pixel, float part, vec3 color, Spot spot, float lane) {
   pixel.color += part * color;
   pixel.coverage += part;
   pixel.depth = min(pixel.depth, dot(spot.position, forward.xyz));
+  pixel.on = pixel.on || spot.on;
   if (part > pixel.most) {
     pixel.most = part;
     pixel.road = vec4(float(ids.x), arc.z + (arc.w + spot.s), spot.t, lane);
-    pixel.normal = normal;
-    pixel.label = label;
+    pixel.normal = spot.normal;
+    pixel.label = 2.0;
   }
 }
 
@@ -242,76 +273,103 @@ float paint_part(uint row, Spot spot) {
 #define SPOTS 1
 #endif
 
-// Part of the pixel to the left of a border, as seen at its level.
-float left_of(Spot spots[SPOTS], int border, int level) {
-  float t = SPOT(level).t - section_border(ids.y, border, height.w + SPOT(level).s);
-  return filter_step(t, SPOT(level).t_step.x, SPOT(level).t_step.y);
+// A corner of the cross section: a border at a level.
+struct Corner {
+  int border;
+  int level;
+};
+
+float border_t(Corner corner, Spot spot) { return section_border(ids.y, corner.border, height.w + spot.s); }
+
+// Part of the pixel that passes the corner on its left.
+float left_of(Spot spots[SPOTS], Corner corner) {
+  Spot spot = SPOT(corner.level);
+  return filter_step(spot.t + spot.missed - border_t(corner, spot), spot.t_step.x, spot.t_step.y);
+}
+
+// Where the ray meets the strip or the vertical face between two corners.
+Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
+  Spot spot = SPOT(near.level);
+#ifdef RELIEF
+  if (near.level != far.level) {
+    Spot other = SPOT(far.level);
+    float border = border_t(near, spot);
+    float width = border_t(far, other) - border;
+    // Between the two levels height and t change evenly along the ray.
+    float closing = width - (other.t - spot.t);
+    float w = clamp(abs(closing) < 1e-9 ? 0.0 : (spot.t - border) / closing, 0.0, 1.0);
+    float rise = section_rows[ids.y + 1u][far.level] - section_rows[ids.y + 1u][near.level];
+    float side = dot(spot.left, spot.position.xy) >= 0.0 ? -1.0 : 1.0;
+    // On this segment where the ray goes from one side of it to the other; with both levels at hand also in the pixels
+    // that it covers in part.
+    float near_h = section_rows[ids.y + 1u][near.level];
+    bool both = spot.on && other.on;
+    spot.on = both || ((spot.h - near_h) * width - (spot.t - border) * rise) *
+                  ((other.h - near_h) * width - (other.t - border) * rise) <= 0.0;
+    spot.normal = abs(width) < 1e-6 ? vec3(side * spot.left, 0.0)
+                                    : normalize(spot.normal - vec3(rise / width * spot.left, 0.0));
+    spot.position = mix(spot.position, other.position, w);
+    spot.s = mix(spot.s, other.s, w);
+    spot.t = mix(spot.t, other.t, w);
+  }
+#endif
+  return spot;
 }
 
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
-// that no strip up to here has taken, as the far side of the last border bounds it.
+// that nothing up to here has taken. A ray that leaves the segment between two levels counts where it leaves, so that
+// both neighbours of a joint fill their pixels.
 Pixel cross_section(Spot spots[SPOTS]) {
-  Pixel pixel = Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0);
+  Pixel pixel = no_pixel();
   int borders = int(section_rows[ids.y].x);
   // Does the ray run to the left as it goes?
   bool leftward = dot(SPOT(0).left, SPOT(0).position.xy) >= 0.0;
-  int first = leftward ? 0 : borders - 1;
   int onward = leftward ? 1 : -1;
   float flip = leftward ? 1.0 : -1.0;
   float shift = leftward ? 0.0 : 1.0;
-  float open = shift + flip * left_of(spots, first, 0);
-  int level = 0;
-  float before = 0.0;  // what the strip before covers
+  Corner corner = Corner(leftward ? 0 : borders - 1, 0);
+  float open = shift + flip * left_of(spots, corner);
+  float before = 0.0;  // what the strip before covers, at this corner's level
   vec3 before_color = vec3(0.0);
   for (int i = 0; i < borders; ++i) {
-    int border = first + i * onward;
     bool last = i + 1 == borders;
-    Strip strip = last ? Strip(0, level, level, false, 0.0) : section_strip(ids.y, leftward ? border : border - 1);
-    int near = leftward ? strip.right_level : strip.left_level;
-    int far = leftward ? strip.left_level : strip.right_level;
+    Strip strip = last ? Strip(0, corner.level, corner.level, false, 0.0)
+                       : section_strip(ids.y, leftward ? corner.border : corner.border - 1);
+    Corner far = Corner(corner.border, leftward ? strip.right_level : strip.left_level);
 #ifdef RELIEF
-    if (near != level) {
-      // A vertical face between the two levels.
-      float beyond = shift + flip * left_of(spots, border, near);
+    if (far.level != corner.level) {
+      // A vertical face.
+      float beyond = shift + flip * left_of(spots, far);
       float part = max(open - beyond, 0.0);
       if (part > 0.0) {
-        Spot face = SPOT(level);
-        float d0 = SPOT(level).t - section_border(ids.y, border, height.w + SPOT(level).s);
-        float d1 = SPOT(near).t - section_border(ids.y, border, height.w + SPOT(near).s);
-        float w = clamp(abs(d0 - d1) < 1e-9 ? 0.0 : d0 / (d0 - d1), 0.0, 1.0);
-        face.position = mix(SPOT(level).position, SPOT(near).position, w);
-        face.s = mix(SPOT(level).s, SPOT(near).s, w);
-        face.t -= d0;
-        face.normal = vec3(-flip * face.left, 0.0);
-        add_part(pixel, part, strip_color(Strip(5, level, near, false, 0.0), face, face.t), face, face.normal, strip.lane,
-                 2.0);
+        Spot spot = spot_between(spots, corner, far);
+        add_part(pixel, part, strip_color(Strip(5, 0, 0, false, 0.0), spot, spot.t), spot, strip.lane);
       }
       open = min(open, beyond);
-      level = near;
       before = 0.0;
+      corner = far;
     }
 #endif
     float part = 0.0;
     vec3 color = vec3(0.0);
-    Spot spot = SPOT(level);
+    Spot spot = SPOT(corner.level);
     if (!last) {
-      float beyond = shift + flip * left_of(spots, border + onward, far);
-      part = spot.on ? max(open - beyond, 0.0) : 0.0;
+      far = Corner(corner.border + onward, leftward ? strip.left_level : strip.right_level);
+      float beyond = shift + flip * left_of(spots, far);
+      part = max(open - beyond, 0.0);
       open = min(open, beyond);
       if (part > 0.0) {
-        float ds = height.w + spot.s;
-        color = strip_color(strip, spot,
-                            0.5 * (section_border(ids.y, border, ds) + section_border(ids.y, border + onward, ds)));
-        add_part(pixel, part, color, spot, spot.normal, strip.lane, 2.0);
+        spot = spot_between(spots, corner, far);
+        color = strip_color(strip, spot, 0.5 * (border_t(corner, spot) + border_t(far, spot)));
+        add_part(pixel, part, color, spot, strip.lane);
       }
     }
     // The mark on the border just passed, over the strips on both sides of it.
     float under = before + part;
     if (under > 0.0) {
-      Mark mark = section_mark(ids.y, border);
+      Mark mark = section_mark(ids.y, corner.border);
       if (mark.kind > 0) {
-        float ds = height.w + spot.s;
-        float over = marking_border(mark.kind, spot.t - section_border(ids.y, border, ds), ds, mark.width, mark.space,
+        float over = marking_border(mark.kind, spot.t - border_t(corner, spot), height.w + spot.s, mark.width, mark.space,
                                     mark.on, mark.off, spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y);
         if (over > 0.0) {
           add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, spot));
@@ -320,7 +378,7 @@ Pixel cross_section(Spot spots[SPOTS]) {
     }
     before = part;
     before_color = color;
-    level = far;
+    corner = far;
   }
   uint paint = ids.z >> 8u;
   for (uint i = 0u; i < (ids.z & 255u); ++i) {
@@ -335,12 +393,12 @@ Pixel cross_section(Spot spots[SPOTS]) {
 
 // The underside of a bridge.
 Pixel underside(Spot spots[SPOTS]) {
-  Pixel pixel = Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0);
-  float part = max(left_of(spots, 0, 0) - left_of(spots, int(section_rows[ids.y].x) - 1, 0), 0.0);
-  Spot spot = SPOT(0);
-  spot.normal = -spot.normal;
-  if (part > 0.0 && spot.on) {
-    add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), spot, 0.0), spot, spot.normal, 0.0, 2.0);
+  Pixel pixel = no_pixel();
+  float part = left_of(spots, Corner(0, 0)) - left_of(spots, Corner(int(section_rows[ids.y].x) - 1, 0));
+  if (part > 0.0) {
+    Spot spot = SPOT(0);
+    spot.normal = -spot.normal;
+    add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), spot, 0.0), spot, 0.0);
   }
   return pixel;
 }
@@ -377,7 +435,7 @@ void main() {
   vec2 p = spots[0].p;
   if ((ids.w & kOpenStart) != 0u) coverage *= open_end(p.x, p.y, r.a, 1.0, spots[0]);
   if ((ids.w & kOpenEnd) != 0u) coverage *= open_end(p.x - 1.0, p.y, r.b, -1.0, spots[0]);
-  if (!(coverage > 0.0)) discard;
+  if (!(coverage > 0.0) || !pixel.on) discard;
 #ifdef CHANNELS
   out_road = pixel.road;
   out_normal = vec4(pixel.normal, 0.0);

@@ -18,7 +18,7 @@ constexpr std::array<TypeRow, kLaneTypes> kTypes = {{
     {"border", Material::kAsphalt},
     {"stop", Material::kAsphalt},
     {"restricted", Material::kAsphalt},
-    {"parking", Material::kPaving},
+    {"parking", Material::kAsphalt},
     {"median", Material::kGrass},
     {"biking", Material::kAsphalt},
     {"sidewalk", Material::kPaving},
