@@ -54,7 +54,10 @@ RoadIndex::RoadIndex(const Network& network) : network_(&network) {
   for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
     const auto& segments = network.roads[road].segments;
     for (std::uint32_t i = 0; i < segments.size(); ++i) {
-      const Bounds b = bounds(segments[i]);
+      Bounds b = bounds(segments[i]);
+      const Cubic::Range lanes = lane_height_range_m(section_of(network.roads[road], segments[i]));
+      b.low_m.z += lanes.low;
+      b.high_m.z += lanes.high;
       refs_.push_back({road, i});
       boxes_.push_back({b.low_m, b.high_m});
     }
@@ -152,13 +155,21 @@ std::optional<RoadPoint> RoadIndex::search(glm::dvec3 point_m, bool with_height,
       RoadPoint r = locate(candidate, flat);
       if (r.outside_m > reach_m) continue;
       r.at = refs_[i];
-      if (with_height) r.height_m = point_m.z - surface_height_m(candidate, r.s_m - candidate.s_start_m, r.t_m);
+      if (with_height) {
+        const Road& road = network_->roads[refs_[i].road];
+        r.height_m = point_m.z - surface_height_m(road, candidate, r.s_m - candidate.s_start_m, r.t_m);
+      }
       const double cost2 = r.outside_m * r.outside_m + r.height_m * r.height_m;
       if (cost2 < least2 || (cost2 == least2 && best && r.distance_m < best->distance_m)) {
         least2 = cost2;
         best = r;
       }
     }
+  }
+  if (best) {
+    const Road& road = network_->roads[best->at.road];
+    const LaneSection& section = section_of(road, segment(best->at));
+    best->lane = lane_at(section, best->s_m - section.s_m, best->t_m);
   }
   return best;
 }

@@ -28,17 +28,13 @@ struct RoadPoint {
   double t_m = 0;         // across, in the tilted cross section, positive to the left
   double distance_m = 0;  // from the reference line, horizontally
   double outside_m = 0;   // from the carriageway, horizontally; 0 on it
-  double height_m = 0;    // of the point above the road's surface; 0 where the query gave no height
+  double height_m = 0;    // of the point above the surface, raised lanes included; 0 where the query gave no height
+  int lane = 0;           // id of the lane there, left positive; 0 outside all lanes
 };
 
 // How the point stands against one segment, however far away. Accuracy: on the carriageway |t - exact| is at most
 // segment.bound.v * L and s is off by at most segment.bound.u * L times ds/dx; elsewhere 1e-9 m. Cost: O(1).
 RoadPoint locate(const Segment& segment, glm::dvec2 point_m);
-
-// The height of the road's surface at arc length s_m from the segment's start and offset t_m.
-inline double surface_height_m(const Segment& segment, double local_s_m, double t_m) {
-  return surface_at(segment, local_s_m, t_m * std::cos(segment.superelevation_rad.value(local_s_m))).height;
-}
 
 // Immutable after construction: any number of threads may ask. No allocation per query but in within().
 class RoadIndex {

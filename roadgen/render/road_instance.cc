@@ -121,17 +121,6 @@ bool is_raised(const LaneSection& section) {
   return any(section.left) || any(section.right);
 }
 
-Cubic::Range lane_height_range_m(const LaneSection& section) {
-  Cubic::Range range{0, 0};
-  for (const auto* side : {&section.left, &section.right}) {
-    for (const Lane& lane : *side) {
-      range.low = std::min({range.low, lane.inner_height_m, lane.outer_height_m});
-      range.high = std::max({range.high, lane.inner_height_m, lane.outer_height_m});
-    }
-  }
-  return range;
-}
-
 // A road's sections as they stand in the table.
 struct PlacedSection {
   std::uint32_t offset = 0;
@@ -217,6 +206,7 @@ RoadScene road_scene(const Network& network) {
     }
     for (std::size_t j = 0; j < road.segments.size(); ++j) {
       const Segment& segment = road.segments[j];
+      if (segment.section >= sections[i].size()) continue;  // no cross section, nothing to see
       const PlacedSection& section = sections[i][segment.section];
       const std::uint32_t flags =
           road.closed ? 0 : (j == 0 ? kOpenStart : 0u) | (j + 1 == road.segments.size() ? kOpenEnd : 0u);

@@ -91,4 +91,15 @@ double lane_height_m(const LaneSection& section, double ds_m, double t_m) {
   return at.lane ? at.lane->inner_height_m + at.part * (at.lane->outer_height_m - at.lane->inner_height_m) : 0;
 }
 
+Cubic::Range lane_height_range_m(const LaneSection& section) {
+  Cubic::Range range{0, 0};
+  for (const auto* side : {&section.left, &section.right}) {
+    for (const Lane& lane : *side) {
+      range.low = std::min({range.low, lane.inner_height_m, lane.outer_height_m});
+      range.high = std::max({range.high, lane.inner_height_m, lane.outer_height_m});
+    }
+  }
+  return range;
+}
+
 }  // namespace roadgen

@@ -119,6 +119,12 @@ std::size_t segment_at(const Road& road, double s_m) {
   return after == road.segments.begin() ? 0 : static_cast<std::size_t>(after - road.segments.begin()) - 1;
 }
 
+double surface_height_m(const Road& road, const Segment& segment, double local_s_m, double t_m) {
+  const double n = t_m * std::cos(segment.superelevation_rad.value(local_s_m));
+  return surface_at(segment, local_s_m, n).height +
+         lane_height_m(section_of(road, segment), section_offset_m(road, segment) + local_s_m, t_m);
+}
+
 RoadPose pose_at(const Road& road, double s_m, double t_m) {
   if (road.closed) s_m -= std::floor(s_m / road.length_m()) * road.length_m();
   const Segment& segment = road.segments[segment_at(road, s_m)];
@@ -130,14 +136,19 @@ RoadPose pose_at(const Road& road, double s_m, double t_m) {
   pose.curvature_per_m = curvature_per_m(segment, u);
   const double n = t_m * std::cos(segment.superelevation_rad.value(local));
   const Lib::SurfaceSlope surface = surface_at(segment, local, n);
-  pose.position_m = glm::dvec3(position_m(segment, u) + left * n, surface.height);
+  pose.position_m = glm::dvec3(position_m(segment, u) + left * n, surface_height_m(road, segment, local, t_m));
   pose.pitch_rad = std::atan(surface.ahead / std::max(1 - n * pose.curvature_per_m, 0.05));
   pose.roll_rad = std::atan(surface.aside);
   return pose;
 }
 
+const LaneSection& section_of(const Road& road, const Segment& segment) {
+  static const LaneSection none;
+  return segment.section < road.sections.size() ? road.sections[segment.section] : none;
+}
+
 double section_offset_m(const Road& road, const Segment& segment) {
-  return segment.s_start_m - road.sections[segment.section].s_m;
+  return segment.s_start_m - section_of(road, segment).s_m;
 }
 
 Status set_sections(Road& road, std::vector<LaneSection> sections) {
@@ -253,6 +264,7 @@ CheckReport check(const Network& network) {
       report.problems.push_back("road " + road.id + ": no segments");
       continue;
     }
+    if (road.sections.empty()) report.problems.push_back("road " + road.id + ": no lane sections; it is not drawn");
     for (const Segment& segment : road.segments) check_segment(road, segment, report);
     for (std::size_t i = 0; i + 1 < road.segments.size(); ++i) {
       check_joint(road, road.segments[i], road.segments[i + 1], report);

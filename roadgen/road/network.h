@@ -58,7 +58,11 @@ struct RoadPose {
 // Requires: at least one segment.
 std::size_t segment_at(const Road& road, double s_m);
 
-// Road to world at arc length s_m and lateral offset t_m (left positive), on the surface.
+// The height of what is driven and walked on at arc length local_s_m from the segment's start and offset t_m: the
+// surface and what the lanes there are raised by.
+double surface_height_m(const Road& road, const Segment& segment, double local_s_m, double t_m);
+
+// Road to world at arc length s_m and lateral offset t_m (left positive), on the surface; raised lanes included.
 RoadPose pose_at(const Road& road, double s_m, double t_m);
 
 // Takes the sections into the road: sorts out which segment has which, and sets left_m and right_m of every segment to
@@ -71,6 +75,8 @@ Status set_sections(Road& road, std::vector<LaneSection> sections);
 void two_lane_sections(Road& road);
 inline constexpr double kEdgeStrip_m = 0.26;
 
+// The segment's cross section; one without lanes where the road has none.
+const LaneSection& section_of(const Road& road, const Segment& segment);
 // Arc length from the start of the segment's lane section to the start of the segment.
 double section_offset_m(const Road& road, const Segment& segment);
 

@@ -37,6 +37,7 @@ inline Road road_along(const std::string& id, double length_m, double step_m, do
     road.segments.push_back(segment);
   }
   chain_arc_lengths(road);
+  two_lane_sections(road);
   return road;
 }
 
