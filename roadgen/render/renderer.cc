@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/render/gl.h"
+#include "roadgen/render/junction_batch.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/road_instance.h"
@@ -109,7 +110,7 @@ struct ViewSides {
 
 // The programs of one kind of output.
 struct Programs {
-  Program ground, road_planar, road_relief, sky;
+  Program ground, road_planar, road_relief, junction, sky;
 };
 
 Result<Programs> compile(const ShaderDefines& defines) {
@@ -121,9 +122,11 @@ Result<Programs> compile(const ShaderDefines& defines) {
   if (!planar) return planar.error();
   auto relief = Program::graphics("road.vert", "road.frag", with_relief);
   if (!relief) return relief.error();
+  auto junction = Program::graphics("junction.vert", "junction.frag", defines);
+  if (!junction) return junction.error();
   auto sky = Program::graphics("sky.vert", "sky.frag", defines);
   if (!sky) return sky.error();
-  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*sky)};
+  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*junction), std::move(*sky)};
 }
 
 // The target of a size, made anew when the size changes.
@@ -165,6 +168,7 @@ struct Renderer::State {
   gl::Buffer frame_uniforms;
   gl::VertexArray empty;
   RoadBatch planar, relief;
+  JunctionBatch junctions;
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
   Lighting lighting;
@@ -227,6 +231,13 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     programs.road_relief.use();
     glBindVertexArray(relief.vertex_array.id());
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, relief.count);
+    glDisable(GL_CULL_FACE);
+  }
+  if (!junctions.empty()) {
+    glEnable(GL_CULL_FACE);
+    glCullFace(GL_FRONT);
+    programs.junction.use();
+    junctions.draw();
     glDisable(GL_CULL_FACE);
   }
   glDepthFunc(GL_GEQUAL);
@@ -302,6 +313,7 @@ Status Renderer::load_roads(const Network& network) {
   }
   state_->planar.upload(planar);
   state_->relief.upload(relief);
+  state_->junctions.upload(network);
   return Done{};
 }
 
