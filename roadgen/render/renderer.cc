@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/render/gl.h"
+#include "roadgen/render/junction_batch.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/road_instance.h"
@@ -131,7 +132,7 @@ struct ViewSides {
 
 // The programs of one kind of output.
 struct Programs {
-  Program ground, road_planar, road_relief, sky;
+  Program ground, road_planar, road_relief, junction, sky;
 };
 
 Result<Programs> compile(const ShaderDefines& defines) {
@@ -143,9 +144,11 @@ Result<Programs> compile(const ShaderDefines& defines) {
   if (!planar) return planar.error();
   auto relief = Program::graphics("road.vert", "road.frag", with_relief);
   if (!relief) return relief.error();
+  auto junction = Program::graphics("junction.vert", "junction.frag", defines);
+  if (!junction) return junction.error();
   auto sky = Program::graphics("sky.vert", "sky.frag", defines);
   if (!sky) return sky.error();
-  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*sky)};
+  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*junction), std::move(*sky)};
 }
 
 // The target of a size, made anew when the size changes.
@@ -188,6 +191,7 @@ struct Renderer::State {
   gl::VertexArray empty;
   RoadBatch planar, relief;
   gl::Buffer tiles, sections, paint;
+  JunctionBatch junctions;
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
   Lighting lighting;
@@ -245,7 +249,15 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_GREATER);
-  // Roads last: their antialiased edges fade over what lies behind.
+  // Roads last: their antialiased edges fade over what lies behind; junctions first, since the corners' strips lie on
+  // their edges.
+  if (!junctions.empty()) {
+    glEnable(GL_CULL_FACE);
+    glCullFace(GL_FRONT);
+    programs.junction.use();
+    junctions.draw();
+    glDisable(GL_CULL_FACE);
+  }
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tiles.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, sections.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, paint.id());
@@ -334,6 +346,7 @@ Status Renderer::load_roads(const Network& network) {
   state_->tiles = table_buffer(origins);
   state_->sections = table_buffer(scene.sections);
   state_->paint = table_buffer(scene.paint);
+  state_->junctions.upload(network);
   return Done{};
 }
 

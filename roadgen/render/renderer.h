@@ -45,9 +45,11 @@ struct Frame {
   Image8 color;                   // RGBA
   ImageF depth_m;                 // along the view axis, +inf where nothing is
   Image<std::uint32_t> label;     // Label
-  Image<std::uint32_t> instance;  // 1 + index of the road, 0 off the roads
+  Image<std::uint32_t> instance;  // 1 + index of the road; 1 + number of roads + index of the junction; 0 elsewhere
   ImageF normal;                  // 3 channels: unit, ENU; 0 where nothing is
-  ImageF road;                    // 4 channels: index of the road, s (m), t (m), lane; index -1 off the roads
+  // 4 channels: index of the road, s (m), t (m), lane; on a junction -2 - its index, x and y (m, ENU) from its centre
+  // (JunctionSurface::center_m), 0; elsewhere index -1.
+  ImageF road;
 };
 
 struct Lighting {

@@ -232,8 +232,28 @@ Bounds bounds(const Segment& segment) {
   return b;
 }
 
+Bounds bounds(const Junction& junction) {
+  Bounds b;
+  const auto add = [&](const Bounds& other) {
+    b.add(other.low_m);
+    b.add(other.high_m);
+  };
+  for (const auto& corner : junction.corners) {
+    for (const Segment& segment : corner) add(bounds(segment));
+  }
+  for (const JunctionArm& arm : junction.arms) {
+    for (const double n : {arm.left_m, 0.0, arm.right_m}) b.add(glm::dvec3(cut_point_m(arm, n), cut_height_m(arm, n)));
+  }
+  return b;
+}
+
 Bounds bounds(const Network& network) {
   Bounds all;
+  for (const Junction& junction : network.junctions) {
+    const Bounds b = bounds(junction);
+    all.add(b.low_m);
+    all.add(b.high_m);
+  }
   for (const Road& road : network.roads) {
     for (const Segment& segment : road.segments) {
       const Bounds b = bounds(segment);
@@ -270,6 +290,9 @@ CheckReport check(const Network& network) {
       check_joint(road, road.segments[i], road.segments[i + 1], report);
     }
     if (road.closed) check_joint(road, road.segments.back(), road.segments.front(), report);
+  }
+  for (const Junction& junction : network.junctions) {
+    for (std::string& problem : problems(junction)) report.problems.push_back(std::move(problem));
   }
   return report;
 }

@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "roadgen/road/junction.h"
 #include "roadgen/road/lane.h"
 #include "roadgen/road/paint.h"
 #include "roadgen/road/result.h"
@@ -40,6 +41,7 @@ struct Network {
   std::string name;
   std::optional<Georeference> georeference;  // none for plain x, y input
   std::vector<Road> roads;
+  std::vector<Junction> junctions;
 
   const Road* find_road(const std::string& id) const;
   std::size_t segment_count() const;
@@ -83,7 +85,7 @@ double section_offset_m(const Road& road, const Segment& segment);
 // Sets s_start_m of every segment from the arc lengths.
 void chain_arc_lengths(Road& road);
 
-// Horizontal bounds of all footprints. Empty network: low > high.
+// Bounds of all footprints. Empty network: low > high.
 struct Bounds {
   glm::dvec3 low_m{1e300, 1e300, 1e300};
   glm::dvec3 high_m{-1e300, -1e300, -1e300};
@@ -91,6 +93,7 @@ struct Bounds {
   bool empty() const { return low_m.x > high_m.x; }
 };
 Bounds bounds(const Segment& segment);
+Bounds bounds(const Junction& junction);  // of its outline
 Bounds bounds(const Network& network);
 
 // What happens at the joint from one segment to the next; all absolute values.
@@ -116,7 +119,7 @@ struct CheckReport {
 };
 
 // Limits: position 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bound kMappingTolerance
-// of the half width, elevation gap 1e-6 m, widths positive, numbers finite.
+// of the half width, elevation gap 1e-6 m, widths positive, numbers finite; and the problems() of junctions.
 CheckReport check(const Network& network);
 
 }  // namespace roadgen

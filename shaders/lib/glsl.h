@@ -120,6 +120,7 @@ struct Library {
 #include "shaders/lib/sky.glsl"
 #include "shaders/lib/ground.glsl"
 #include "shaders/lib/material.glsl"
+#include "shaders/lib/junction.glsl"
 #undef OUT
 #undef IN
 #undef FN

@@ -1,4 +1,4 @@
-// The library beside the road function (surface, markings, noise, sky, ground) on the GPU against the same text in
+// The library beside the road function (surface, markings, noise, sky, ground, junctions) on the GPU against the same text in
 // double.
 #include <gtest/gtest.h>
 
@@ -46,6 +46,32 @@ SHADER_CASE(Ground, 6, 3, float bare = ground_bareness(x[0], x[1], x[2], x[3], x
                           vec3 c = ground_albedo(bare, x[0], x[1], x[2], x[3], x[4], x[5]);
                           y[0] = c.x; y[1] = c.y; y[2] = c.z;)
 SHADER_CASE(Asphalt, 3, 1, vec3 c = ground_asphalt(x[0], x[1], x[2]); y[0] = c.x;)
+SHADER_CASE(JunctionCutHeight, 13, 6,
+            JunctionCut c = JunctionCut(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12]);
+            JunctionHeight h = junction_height_add_cut(junction_height_begin(), x[0], x[1], c);
+            y[0] = h.z; y[1] = h.zx; y[2] = h.zy; y[3] = 1.0 / h.w; y[4] = h.wx / (h.w * h.w); y[5] = h.wy / (h.w * h.w);)
+SHADER_CASE(JunctionCornerHeight, 21, 6,
+            JunctionCorner c = JunctionCorner(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12],
+                                              x[13], x[14], x[15], x[16], x[17], x[18], x[19], x[20]);
+            JunctionHeight h = junction_height_add_corner(junction_height_begin(), x[0], x[1], c);
+            y[0] = h.z; y[1] = h.zx; y[2] = h.zy; y[3] = 1.0 / h.w; y[4] = h.wx / (h.w * h.w); y[5] = h.wy / (h.w * h.w);)
+SHADER_CASE(JunctionMean, 15, 3,
+            JunctionHeight h = junction_height_add(junction_height_begin(), x[0], x[1], x[2], x[3], x[4], x[5], x[6]);
+            h = junction_height_add(h, x[7], x[8], x[9], x[10], x[11], x[12], x[13]);
+            y[0] = h.z; y[1] = h.zx; y[2] = h.zy;)
+SHADER_CASE(JunctionCutSide, 13, 2,
+            JunctionCut c = JunctionCut(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12]);
+            JunctionSide r = junction_side_add_cut(junction_side_begin(), x[0], x[1], c);
+            y[0] = r.cut; y[1] = junction_distance(r);)
+SHADER_CASE(JunctionCornerSide, 21, 4,
+            JunctionCorner c = JunctionCorner(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12],
+                                              x[13], x[14], x[15], x[16], x[17], x[18], x[19], x[20]);
+            JunctionSide r = junction_side_add_corner(junction_side_begin(), x[0], x[1], c);
+            y[0] = r.corner; y[1] = junction_distance(r); y[2] = r.nx; y[3] = r.ny;)
+SHADER_CASE(JunctionOpen, 3, 2,
+            JunctionSide r = JunctionSide(x[0], float(1.0), float(0.0), x[1], x[2] > 0.0);
+            y[0] = junction_open_distance(r) < 0.0 ? float(0.0) : float(1.0);
+            y[1] = junction_crosses(x[0], x[1], x[2], true) ? float(1.0) : float(0.0);)
 #undef float
 // clang-format on
 
@@ -96,6 +122,32 @@ void ray_inputs(Random& random, double* x) {
   std::copy(std::begin(d), std::end(d), x + 3);
 }
 
+// A point, and an arm's end of random place, direction and surface within some ten metres of it.
+void cut_inputs(Random& random, double* x) {
+  const double turn = random.uniform(0, 6.28), left = random.uniform(1, 6), right = -random.uniform(1, 6);
+  x[2] = random.uniform(-10, 10), x[3] = random.uniform(-10, 10);
+  x[4] = x[2] + (left - right) * std::cos(turn), x[5] = x[3] + (left - right) * std::sin(turn);
+  x[6] = left, x[7] = right;
+  x[8] = random.uniform(-1, 1);
+  for (int i = 9; i < 13; ++i) x[i] = random.uniform(-0.08, 0.08);
+  x[0] = 0.5 * (x[2] + x[4]) + random.uniform(-8, 8), x[1] = 0.5 * (x[3] + x[5]) + random.uniform(-8, 8);
+}
+
+// A point, and a corner's piece, of an admissible segment of 2 m to 20 m, whose middle lies within five metres of it.
+void corner_inputs(Random& random, double* x) {
+  const double length = random.uniform(2, 20), turn = random.uniform(0, 6.28);
+  x[2] = random.uniform(-10, 10), x[3] = random.uniform(-10, 10);
+  x[4] = x[2] + length * std::cos(turn), x[5] = x[3] + length * std::sin(turn);
+  const Segment s = make_segment({x[2], x[3]}, {x[4], x[5]}, turn + random.uniform(-0.26, 0.26),
+                                 turn + random.uniform(-0.26, 0.26), 0.4);
+  x[6] = s.slope_start, x[7] = s.slope_end, x[8] = s.arc_m, x[9] = s.arc_c0, x[10] = s.arc_c1;
+  const Cubic z = Cubic::hermite(0, random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1) * length,
+                                 random.uniform(-0.1, 0.1), s.arc_m);
+  x[11] = random.uniform(-1, 1), x[12] = z.c1, x[13] = z.c2, x[14] = z.c3;
+  for (int i = 15; i < 21; ++i) x[i] = random.uniform(-0.08, 0.08);
+  x[0] = 0.5 * (x[2] + x[4]) + random.uniform(-4, 4), x[1] = 0.5 * (x[3] + x[5]) + random.uniform(-4, 4);
+}
+
 // Limits: about twice what llvmpipe measures.
 const FunctionCase kCases[] = {
     {"surface_height", Height, height_inputs, 1.7e-6},
@@ -115,6 +167,28 @@ const FunctionCase kCases[] = {
      5},  // the sun's rim: / 1e-4
     {"ground_albedo", Ground, uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
     {"ground_asphalt", Asphalt, uniform_inputs({{0, 1}, {-1, 1}, {-1, 1}}), 1e-7},
+    {"junction_height_cut", JunctionCutHeight, cut_inputs, 9e-6, 16},
+    {"junction_height_corner", JunctionCornerHeight, corner_inputs, 2.4e-6, 6},
+    {"junction_height_mean", JunctionMean,
+     uniform_inputs({{1, 20},
+                     {0.01, 400},
+                     {-20, 20},
+                     {-20, 20},
+                     {-2, 2},
+                     {-1, 1},
+                     {-1, 1},
+                     {1, 20},
+                     {0.01, 400},
+                     {-20, 20},
+                     {-20, 20},
+                     {-2, 2},
+                     {-1, 1},
+                     {-1, 1},
+                     {0, 1}}),
+     9e-7},
+    {"junction_side_cut", JunctionCutSide, cut_inputs, 3.9e-6},
+    {"junction_side_corner", JunctionCornerSide, corner_inputs, 3.4e-6},
+    {"junction_open", JunctionOpen, uniform_inputs({{0, 1}, {0, 1}, {-1, 1}}), 1e-7},
 };
 
 class LibraryShader : public GlTest, public ::testing::WithParamInterface<FunctionCase> {};
@@ -122,7 +196,7 @@ class LibraryShader : public GlTest, public ::testing::WithParamInterface<Functi
 TEST_P(LibraryShader, MatchesDoublePrecision) {
   if (!make_context(ContextKind::kOsmesa)) return;
   check_case({"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl",
-              "lib/ground.glsl", "lib/material.glsl"},
+              "lib/ground.glsl", "lib/material.glsl", "lib/junction.glsl"},
              GetParam(), 100000);
 }
 

@@ -1,0 +1,202 @@
+// Cookie-cuts a junction's carriageway out of its box: intersects the eye ray with the surface, then asks how far the
+// place lies within the area.
+#include "lib/road.glsl"
+#include "lib/junction.glsl"
+#include "lib/noise.glsl"
+#include "lib/ground.glsl"
+#include "lib/marking.glsl"
+#include "lib/material.glsl"
+#include "frame.glsl"
+#include "junctions.glsl"
+#include "outputs.glsl"
+
+flat in uint junction;
+flat in vec3 eye;
+flat in vec3 low;
+flat in vec3 high;
+in vec3 point;
+
+JunctionCut cut_at(uint i) {
+  vec4 a = cut_rows[4u * i];
+  vec4 b = cut_rows[4u * i + 1u];
+  vec4 c = cut_rows[4u * i + 2u];
+  return JunctionCut(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z);
+}
+
+JunctionCorner corner_at(uint i) {
+  vec4 a = corner_rows[5u * i];
+  vec4 b = corner_rows[5u * i + 1u];
+  vec4 c = corner_rows[5u * i + 2u];
+  vec4 d = corner_rows[5u * i + 3u];
+  vec4 e = corner_rows[5u * i + 4u];
+  return JunctionCorner(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w, d.x, d.y, d.z, d.w, e.x, e.y, e.z);
+}
+
+JunctionHeight height_at(vec2 p) {
+  uvec4 range = headers[junction].range;
+  JunctionHeight h = junction_height_begin();
+  for (uint i = 0u; i < range.y; ++i) h = junction_height_add_cut(h, p.x, p.y, cut_at(range.x + i));
+  for (uint i = 0u; i < range.w; ++i) h = junction_height_add_corner(h, p.x, p.y, corner_at(range.z + i));
+  return h;
+}
+
+JunctionSide side_at(vec2 p) {
+  uvec4 range = headers[junction].range;
+  JunctionSide side = junction_side_begin();
+  for (uint i = 0u; i < range.y; ++i) side = junction_side_add_cut(side, p.x, p.y, cut_at(range.x + i));
+  for (uint i = 0u; i < range.w; ++i) side = junction_side_add_corner(side, p.x, p.y, corner_at(range.z + i));
+  return side;
+}
+
+// A place of the surface on the eye ray, from the centre.
+struct Spot {
+  vec3 place;
+  vec3 position;   // relative to the eye
+  vec3 normal;     // unit, toward the eye's side
+  vec3 step_x;     // change per pixel right and up
+  vec3 step_y;
+  float coverage;  // part of the pixel that lies within the area
+};
+
+Spot spot_at(vec3 place, JunctionHeight h) {
+  Spot spot;
+  spot.place = place;
+  spot.position = place - eye;
+  spot.normal = normalize(vec3(-h.zx, -h.zy, 1.0));
+  if (dot(spot.normal, spot.position) > 0.0) spot.normal = -spot.normal;
+  spot.step_x = frame_footprint(spot.position, spot.normal, right.xyz);
+  spot.step_y = frame_footprint(spot.position, spot.normal, up.xyz);
+  JunctionSide side = side_at(place.xy);
+  float inside_m = junction_open_distance(side);
+#ifdef CHANNELS
+  spot.coverage = inside_m >= 0.0 ? 1.0 : 0.0;
+#else
+  vec2 n = vec2(side.nx, side.ny);
+  spot.coverage = filter_step(inside_m, dot(n, spot.step_x.xy), dot(n, spot.step_y.xy));
+#endif
+  return spot;
+}
+
+// Height of the ray above the surface at k, and how it changes with k.
+vec2 above(vec3 along, float k, out JunctionHeight h) {
+  vec3 p = point + k * along;
+  h = height_at(p.xy);
+  return vec2(p.z - h.z, along.z - h.zx * along.x - h.zy * along.y);
+}
+
+// Newton from k inside [a, b], between whose ends the ray crosses the surface; first: the height above it at a.
+bool refine(vec3 along, float a, float b, float k, float first, float tolerance, out Spot spot) {
+  JunctionHeight h;
+  vec2 f = vec2(0.0);
+  for (int i = 0; i < 20; ++i) {
+    f = above(along, k, h);
+    if (abs(f.x) <= 0.1 * tolerance) break;
+    if (f.x * first > 0.0) {
+      a = k;
+    } else {
+      b = k;
+    }
+    float next = k - f.x / f.y;
+    k = next > a && next < b ? next : 0.5 * (a + b);
+  }
+  if (!(abs(f.x) <= tolerance)) return false;
+  spot = spot_at(point + k * along, h);
+  return spot.coverage > 0.0;
+}
+
+// The first place of the area that the ray meets for k in [near, far].
+bool intersect(vec3 along, float near, float far, float tolerance, out Spot spot) {
+  JunctionHeight h;
+  vec4 plane = headers[junction].plane;
+  float a = near;
+  vec2 fa = above(along, a, h);
+  // A ray steeper than any slope of the surface crosses it at most once: the plane tells about where.
+  float closing = along.z - dot(plane.xy, along.xy);
+  if (abs(closing) > 1.2 * plane.w * length(along.xy) + 1e-4) {
+    float start = (plane.z + dot(plane.xy, point.xy) - point.z) / closing;
+    if (fa.x * closing > 0.0) return false;
+    return refine(along, near, far, clamp(start, near, far), fa.x, tolerance, spot);
+  }
+  // One along the surface may cross it several times, outside the area too. The crown of an arm is some metres wide.
+  int steps = clamp(int((far - near) / 0.7), 4, 64);
+  for (int i = 1; i <= steps; ++i) {
+    float b = mix(near, far, float(i) / float(steps));
+    vec2 fb = above(along, b, h);
+    if (fa.x * fb.x > 0.0 && fa.x * fa.y < 0.0 && fb.x * fb.y > 0.0) {
+      // Nearing the surface at one end and leaving it at the other: perhaps through it in between.
+      float turn = a + (b - a) * fa.y / (fa.y - fb.y);
+      vec2 f = above(along, turn, h);
+      if (f.x * fa.x <= 0.0) {
+        if (refine(along, a, turn, mix(a, turn, fa.x / (fa.x - f.x)), fa.x, tolerance, spot)) return true;
+        a = turn;
+        fa = f;
+      }
+    }
+    if (fa.x * fb.x <= 0.0) {
+      if (refine(along, a, b, mix(a, b, fa.x / (fa.x - fb.x)), fa.x, tolerance, spot)) return true;
+    }
+    a = b;
+    fa = fb;
+  }
+  return false;
+}
+
+#ifndef CHANNELS
+// The junction's own asphalt, and within 4 m of a cut more and more that of the road which ends there.
+vec3 albedo_at(Spot spot) {
+  vec2 width = abs(spot.step_x.xy) + abs(spot.step_y.xy);
+  JunctionHeader header = headers[junction];
+  vec2 p = header.phase.xy + spot.place.xy;
+  vec3 albedo = material_albedo(0, p.x, p.y, 0.0, 0.0, width.x, width.y);
+  for (uint i = 0u; i < header.range.y; ++i) {
+    JunctionCut c = cut_at(header.range.x + i);
+    float across = c.left - c.right;
+    vec2 left = vec2(c.x0 - c.x1, c.y0 - c.y1) / across;
+    vec2 d = spot.place.xy - vec2(c.x1, c.y1);
+    float n = dot(d, left) + c.right;
+    float ahead = d.x * left.y - d.y * left.x;
+    float beyond = n - clamp(n, c.right, c.left);
+    float part = 1.0 - smoothstep(0.0, 4.0, sqrt(ahead * ahead + beyond * beyond));
+    if (!(part > 0.0)) continue;
+    vec4 road = cut_rows[4u * (header.range.x + i) + 3u];
+    float wheel = exp(-pow(abs(abs(n - 0.5 * (n > 0.0 ? c.left : c.right)) - 0.8), 2.0) * 6.0);
+    albedo = mix(albedo, material_albedo(0, road.x + road.y * ahead, road.y * n, wheel, road.z,
+                                         dot(abs(left.yx), width), dot(abs(left), width)), part);
+  }
+  return albedo;
+}
+#endif
+
+void main() {
+  vec3 along = point - eye;
+  float reach = length(along);
+  along /= reach;
+  // The part of the ray within the box, measured from its back.
+  vec3 slow = vec3(lessThan(abs(along), vec3(1e-9)));
+  vec3 inverse = 1.0 / mix(along, vec3(1e-9), slow);
+  vec3 k0 = (low - point) * inverse;
+  vec3 k1 = (high - point) * inverse;
+  vec3 enter = min(k0, k1);
+  vec3 leave = max(k0, k1);
+  float near = max(max(enter.x, enter.y), max(enter.z, -reach));
+  float far = min(leave.x, min(leave.y, leave.z));
+  if (!(near < far)) discard;
+  // A hundredth of a pixel, or a millimetre.
+  float tolerance = max(1e-3, 0.01 * right.w * (reach + near));
+  Spot spot;
+  if (!intersect(along, near, far, tolerance, spot)) discard;
+#ifdef CHANNELS
+  uvec4 ids = headers[junction].ids;
+  out_road = vec4(-2.0 - float(ids.x), spot.place.xy, 0.0);
+  out_normal = vec4(spot.normal, 0.0);
+  out_label = vec2(2.0, float(ids.y));
+#else
+  out_color = vec4(frame_shade(albedo_at(spot), frame_light(spot.normal, spot.position)), spot.coverage);
+#endif
+  float depth = dot(spot.position, forward.xyz);
+#ifndef CHANNELS
+  // One depth serves all samples of the pixel: the nearest within it, as for roads.
+  depth -= 0.5 * (abs(dot(spot.step_x, forward.xyz)) + abs(dot(spot.step_y, forward.xyz)));
+#endif
+  gl_FragDepth = forward.w / max(depth, forward.w);
+}
