@@ -81,6 +81,8 @@ class Divider {
     set_arc(s);
     if (!bounded) {
       piece.cap_m = widest(s, half_width_m_, tolerance_);
+      // Wide enough for the least width, but too long for its tolerance.
+      if (piece.cap_m == 0 && std::isfinite(s.bound.v)) return false;
     } else if (!is_admissible(s, tolerance_ * kRoundingShare)) {
       return false;
     }
