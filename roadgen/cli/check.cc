@@ -24,6 +24,7 @@ std::string describe(const CheckReport& report, const Network& network) {
                                        {"max_grade_gap", worst.grade},
                                        {"max_edge_gap_m", worst.edge_m},
                                        {"max_mapping_bound_m", report.max_mapping_bound_m},
+                                       {"max_s_bound_m", report.max_s_bound_m},
                                        {"max_arc_error_m", report.max_arc_error_m},
                                        {"problems", report.problems}};
   return json.dump(2) + "\n";

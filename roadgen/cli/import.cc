@@ -53,8 +53,10 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--max-height-error", o.import.max_height_error_m,
                  "Greatest allowed height of a point above or below the road, m. Default: 0.1 to 1 by their "
                  "roughness, or 3 for GPX tracks");
-  app.add_option("--tangents", o.tangents, "fit: least squares; catmull-rom: through points, tangents from neighbours")
-      ->check(CLI::IsMember({"fit", "catmull-rom"}))
+  app.add_option("--tangents", o.tangents,
+                 "fit: least squares; catmull-rom: through points, tangents from neighbours; curvature: through "
+                 "points, with continuous curvature")
+      ->check(CLI::IsMember({"fit", "catmull-rom", "curvature"}))
       ->capture_default_str();
   app.add_option("--width", o.import.width_m, "Width of the whole road where the file has none, m")
       ->capture_default_str();
@@ -71,6 +73,7 @@ Status settle(Options& o) {
     o.import.origin = *origin;
   }
   o.import.tangents = o.tangents == "fit" ? TangentSource::kFit : TangentSource::kCatmullRom;
+  if (o.tangents == "curvature") o.import.catmull_rom = Tangents::kCurvature;
   o.import.closed = o.closed == "auto" ? Closed::kAuto : o.closed == "yes" ? Closed::kYes : Closed::kNo;
 
   // Before the work, not after it.

@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "roadgen/fit/curvature.h"
 #include "roadgen/fit/stretch.h"
 
 namespace roadgen {
@@ -17,6 +18,11 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Pieces whose width changed after the division (narrowed neighbours, tapers) are divided again, this often at most.
 constexpr int kMostWidthRounds = 8;
+// Curvature: before the first solve tangents are at most this far off their chords (34 degrees); pieces that are bent
+// more than kGentleSlope are halved where there is no solution.
+constexpr double kMostFirstSlope = 0.67;
+constexpr double kGentleSlope = 0.05;
+constexpr int kMostCurvatureRounds = 40;
 
 template <class... Numbers>
 std::string text(const char* format, Numbers... numbers) {
@@ -51,6 +57,14 @@ class Alignment {
   void report_repeats(std::size_t first, std::size_t count) const;
   Status divide_all();
   Status divide_part(std::size_t stretch, double t0, double t1, double half_width_m, std::vector<Piece>& pieces) const;
+  Status divide_smoothly();
+  Status divide_for_angles();
+  Status cusp_error(std::size_t stretch, double s_m) const;
+  std::optional<std::size_t> solve_headings();
+  Status halve_inadmissible(bool& halved, bool& capped);
+  bool halve_bent();
+  void halve(const Piece& piece, std::vector<Piece>& pieces) const;
+  void chain_pieces();
   Status tight_error(const Piece& piece, double half_width_m) const;
   Status settle_widths();
   void set_widths();
@@ -72,8 +86,12 @@ class Alignment {
 
 Result<Road> Alignment::run(std::span<const Anchor> given) {
   if (Status s = take_anchors(given); !s) return s.error();
-  if (Status s = divide_all(); !s) return s.error();
-  if (Status s = settle_widths(); !s) return s.error();
+  if (options_.tangents == Tangents::kCurvature) {
+    if (Status s = divide_smoothly(); !s) return s.error();
+  } else {
+    if (Status s = divide_all(); !s) return s.error();
+    if (Status s = settle_widths(); !s) return s.error();
+  }
   report_narrowing();
   set_elevations();
   Road road;
@@ -165,7 +183,10 @@ Status Alignment::divide_part(std::size_t stretch, double t0, double t1, double 
     if (piece.tight() && too_tight) return tight_error(piece, half_width_m);
     pieces.push_back(piece);
   }
-  if (division.cusps.empty()) return Done{};
+  return division.cusps.empty() ? Status(Done{}) : cusp_error(stretch, s_m);
+}
+
+Status Alignment::cusp_error(std::size_t stretch, double s_m) const {
   return Error{ErrorCode::kGeometry,
                place(stretch) + text(" (s = %.3f m) the road stops or reverses on the spot; remove or move an anchor "
                                      "there, or give other headings",
@@ -195,6 +216,139 @@ double Alignment::arc_of(std::size_t first_piece, std::size_t last_piece) const 
   double arc_m = 0;
   for (std::size_t i = first_piece; i < last_piece; ++i) arc_m += pieces_[i].segment.arc_m;
   return arc_m;
+}
+
+void Alignment::chain_pieces() {
+  double s_m = 0;
+  for (Piece& piece : pieces_) {
+    piece.segment.s_start_m = s_m;
+    s_m += piece.segment.arc_m;
+  }
+}
+
+// The road with equal curvature at the joints: all headings are solved for, then inadmissible pieces are halved on
+// their own curve, which hardly moves it, and so on.
+Status Alignment::divide_smoothly() {
+  if (Status s = divide_for_angles(); !s) return s;
+  bool solved = false;
+  for (int round = 0; round < kMostCurvatureRounds; ++round) {
+    if (!solved) {
+      const std::optional<std::size_t> jump = solve_headings();
+      if (jump && halve_bent()) continue;
+      if (jump) {
+        return Error{ErrorCode::kGeometry, place(pieces_[std::min(*jump, pieces_.size() - 1)].stretch) +
+                                               " no headings make the curvature continuous; add anchors there, or "
+                                               "choose other tangents"};
+      }
+    }
+    chain_pieces();
+    set_widths();
+    bool halved = false, capped = false;
+    if (Status s = halve_inadmissible(halved, capped); !s) return s;
+    if (!halved && !capped) return Done{};
+    solved = !halved;
+  }
+  return Error{ErrorCode::kGeometry, "the division for continuous curvature does not end; choose other tangents"};
+}
+
+Status Alignment::divide_for_angles() {
+  const std::vector<double> headings = catmull_rom_headings(anchors_, options_);
+  for (std::size_t i = 0; i < stretch_count(); ++i) {
+    const std::size_t end = i + 1 == anchors_.size() ? 0 : i + 1;
+    const Division division = divide_into_graphs(
+        make_stretch(anchors_[i].position_m, anchors_[end].position_m, headings[i], headings[end]), kMostFirstSlope);
+    for (Piece piece : division.pieces) {
+      piece.stretch = i;
+      set_arc(piece.segment);
+      pieces_.push_back(piece);
+    }
+    chain_pieces();
+    if (!division.cusps.empty()) {
+      return cusp_error(i, pieces_.empty() ? 0 : pieces_.back().segment.s_start_m + pieces_.back().segment.arc_m);
+    }
+  }
+  return Done{};
+}
+
+// Turns the pieces so that curvature is equal on both sides of every joint; else the joint where it jumps most.
+std::optional<std::size_t> Alignment::solve_headings() {
+  std::vector<glm::dvec2> points;
+  std::vector<double> headings;
+  std::vector<char> fixed;
+  const auto add = [&](glm::dvec2 point_m, double heading, const Anchor* anchor) {
+    const bool given = anchor && anchor->heading_rad;
+    points.push_back(point_m);
+    headings.push_back(given ? *anchor->heading_rad : heading);
+    fixed.push_back(given);
+  };
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    const Piece& piece = pieces_[k];
+    const bool at_anchor = k == 0 || pieces_[k - 1].stretch != piece.stretch;
+    add(piece.segment.start_m, heading_rad(piece.segment, 0), at_anchor ? &anchors_[piece.stretch] : nullptr);
+  }
+  if (!options_.closed) add(pieces_.back().segment.end_m, heading_rad(pieces_.back().segment, 1), &anchors_.back());
+  const std::optional<std::size_t> jump = equalize_curvature(points, fixed, options_.closed, headings);
+  if (jump) return jump;
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    Segment& s = pieces_[k].segment;
+    const glm::dvec2 chord = s.chord_m();
+    const double along = std::atan2(chord.y, chord.x);
+    s.slope_start = std::tan(headings[k] - along);
+    s.slope_end = std::tan(headings[k + 1 == headings.size() ? 0 : k + 1] - along);
+    set_arc(s);
+  }
+  return std::nullopt;
+}
+
+Status Alignment::halve_inadmissible(bool& halved, bool& capped) {
+  std::vector<Piece> pieces;
+  pieces.reserve(pieces_.size());
+  for (Piece& piece : pieces_) {
+    Segment& s = piece.segment;
+    set_bound(s);
+    const double width = s.max_half_width_m();
+    if (!is_admissible(s, options_.mapping_tolerance)) {
+      const std::optional<double> cap_m =
+          std::isfinite(s.bound.v) ? std::nullopt : tight_cap_m(s, width, options_.mapping_tolerance);
+      if (!cap_m) {
+        halved = true;
+        halve(piece, pieces);
+        continue;
+      }
+      capped = true;
+      piece.cap_m = *cap_m;
+      if (options_.tight == TightPolicy::kError || *cap_m < kLeastHalfWidth_m) return tight_error(piece, width);
+    }
+    pieces.push_back(piece);
+  }
+  pieces_ = std::move(pieces);
+  return Done{};
+}
+
+bool Alignment::halve_bent() {
+  std::vector<Piece> pieces;
+  for (const Piece& piece : pieces_) {
+    if (std::max(std::abs(piece.segment.slope_start), std::abs(piece.segment.slope_end)) > kGentleSlope) {
+      halve(piece, pieces);
+    } else {
+      pieces.push_back(piece);
+    }
+  }
+  std::swap(pieces_, pieces);
+  return pieces_.size() > pieces.size();
+}
+
+// In two pieces that meet on the piece's own curve.
+void Alignment::halve(const Piece& piece, std::vector<Piece>& pieces) const {
+  const Segment& s = piece.segment;
+  const glm::dvec2 middle_m = position_m(s, 0.5);
+  const double heading = heading_rad(s, 0.5), t = 0.5 * (piece.t0 + piece.t1), width = s.max_half_width_m();
+  Piece first = piece, second = piece;
+  first.segment = make_segment(s.start_m, middle_m, heading_rad(s, 0), heading, width);
+  second.segment = make_segment(middle_m, s.end_m, heading, heading_rad(s, 1), width);
+  first.t1 = second.t0 = t;
+  pieces.push_back(first);
+  pieces.push_back(second);
 }
 
 // The widths follow from the pieces, and the pieces must be admissible for their widths: narrower pieces have a smaller

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "roadgen/fit/curvature.h"
 #include "roadgen/fit/guess.h"
 
 namespace roadgen {
@@ -281,7 +282,13 @@ void CurveFit::take_catmull_rom_headings() {
   AlignmentOptions options;
   options.tangents = options_.catmull_rom;
   options.closed = options_.closed;
-  const std::vector<double> headings = catmull_rom_headings(at, options);
+  std::vector<double> headings = catmull_rom_headings(at, options);
+  if (options_.catmull_rom == Tangents::kCurvature) {
+    std::vector<glm::dvec2> points;
+    for (const Anchor& anchor : at) points.push_back(anchor.position_m);
+    // Where there is no solution the final road has more joints.
+    equalize_curvature(points, std::vector<char>(points.size(), 0), options_.closed, headings);
+  }
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     nodes_[i].joint.heading_rad = headings[i];
     nodes_[i].fits = false;
@@ -506,9 +513,13 @@ void CurveFit::add_on_curve(std::span<const std::size_t> samples) {
 }
 
 std::vector<Anchor> CurveFit::anchors() const {
+  // Headings of equal curvature depend on the joints inside, which the final road adds.
+  const bool solves_itself =
+      options_.tangents == TangentSource::kCatmullRom && options_.catmull_rom == Tangents::kCurvature;
   std::vector<Anchor> anchors;
   for (const Node& node : nodes_) {
-    anchors.push_back({node.joint.position_m + origin_m_, 0, node.half_width_m, node.joint.heading_rad});
+    anchors.push_back({node.joint.position_m + origin_m_, 0, node.half_width_m});
+    if (!solves_itself) anchors.back().heading_rad = node.joint.heading_rad;
   }
   return anchors;
 }

@@ -68,7 +68,7 @@ std::vector<Sample> distinct(std::span<const Sample> samples, bool closed, Diagn
 
 AlignmentOptions alignment_options(const FitOptions& options) {
   AlignmentOptions alignment;
-  alignment.tangents = options.catmull_rom;
+  if (options.tangents == TangentSource::kCatmullRom) alignment.tangents = options.catmull_rom;
   alignment.closed = options.closed;
   alignment.mapping_tolerance = options.mapping_tolerance;
   alignment.tight = options.tight;

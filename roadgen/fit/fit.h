@@ -22,7 +22,7 @@ struct FitOptions {
   double max_error_m = 0.1;  // greatest allowed horizontal distance of a sample from the curve. > 0. Default: 0.1
   double max_elevation_error_m = 1.0;  // likewise vertical; measured heights are coarse. > 0. Default: 1
   bool closed = false;                 // the last sample is joined to the first (do not repeat it). Default: no
-  TangentSource tangents = TangentSource::kFit;  // kCatmullRom: anchors are thinned samples, tangents by Catmull-Rom
+  TangentSource tangents = TangentSource::kFit;  // kCatmullRom: anchors are thinned samples, tangents from them
   Tangents catmull_rom = Tangents::kUniform;     // which, where tangents is kCatmullRom. Default: as in the paper
   TightPolicy tight = TightPolicy::kNarrow;      // Default: measured hairpins are narrowed with a warning
   double mapping_tolerance = kMappingTolerance;  // of the half width, in (0, 1). Default: 1e-4
@@ -43,7 +43,8 @@ struct Certificate {
 
 struct FittedRoad {
   Road road;
-  // With headings and grades: road_from_anchors gives the road again, with the same options and least_distance_m = 0.
+  // With grades, and headings but for Tangents::kCurvature: road_from_anchors gives the road again, with the same options
+  // and least_distance_m = 0.
   std::vector<Anchor> anchors;
   Certificate certificate;
 };

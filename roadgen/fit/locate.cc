@@ -97,7 +97,8 @@ std::vector<Located> locate(const Road& road, std::span<const Sample> samples) {
   const std::size_t count = road.segments.size();
   std::vector<Located> all;
   all.reserve(samples.size());
-  std::size_t last = 0;
+  // The first joint of a loop may have slid past the first sample.
+  std::size_t last = road.closed ? count - 1 : 0;
   for (const Sample& sample : samples) {
     SegmentTree::Hit near;
     for (std::size_t k = 0; k <= kAhead; ++k) {
@@ -140,7 +141,7 @@ Certificate certify(const Road& road, std::span<const Sample> samples, std::size
 
   double mapping_m = 0;
   for (const Segment& segment : road.segments) {
-    mapping_m = std::max(mapping_m, segment.bound.v * segment.chord_length_m());
+    mapping_m = std::max(mapping_m, segment.v_bound_m());
   }
   c.bound_m = c.max_error_m + mapping_m;
   for (std::size_t i = 0; i + (road.closed ? 0 : 1) < road.segments.size(); ++i) {

@@ -27,21 +27,12 @@ bool admissible_at(Segment& segment, double half_width_m, double tolerance) {
   return is_admissible(segment, tolerance * kRoundingShare);
 }
 
-// The greatest admissible half width in [kLeastHalfWidth_m, half_width_m), or 0.
-double widest(Segment& segment, double half_width_m, double tolerance) {
-  double low = kLeastHalfWidth_m, high = half_width_m;
-  if (!(low < high) || !admissible_at(segment, low, tolerance)) return 0;
-  for (int i = 0; i < 40; ++i) {
-    const double middle = 0.5 * (low + high);
-    (admissible_at(segment, middle, tolerance) ? low : high) = middle;
-  }
-  return low * kRoundingShare;
-}
-
+// Halves a stretch until accept() takes each piece.
+template <class Accept>
 class Divider {
  public:
-  Divider(const Stretch& stretch, double half_width_m, double tolerance, Division& division)
-      : stretch_(stretch), half_width_m_(half_width_m), tolerance_(tolerance), division_(division) {}
+  Divider(const Stretch& stretch, Accept accept, Division& division)
+      : stretch_(stretch), accept_(accept), division_(division) {}
 
   // False at a cusp.
   bool run(double t0, double t1, int depth) {
@@ -58,7 +49,10 @@ class Divider {
     if (along0 > kLeastCosine * length * speed0 && along1 > kLeastCosine * length * speed1) {
       s.slope_start = cross(chord, d0) / along0;
       s.slope_end = cross(chord, d1) / along1;
-      if (accept(piece)) return true;
+      if (accept_(piece)) {
+        division_.pieces.push_back(piece);
+        return true;
+      }
     }
     if (depth == kMostHalvings) return cusp(t0, t1);
     const double middle = 0.5 * (t0 + t1);
@@ -71,27 +65,12 @@ class Divider {
     return false;
   }
 
-  bool accept(Piece& piece) {
-    Segment& s = piece.segment;
-    s.set_half_width_m({half_width_m_, 0, 0, 0});
-    set_bound(s);
-    const bool bounded = std::isfinite(s.bound.v);
-    const bool straight = std::max(std::abs(s.slope_start), std::abs(s.slope_end)) <= kStraightSlope;
-    if (!bounded && !straight) return false;
-    set_arc(s);
-    if (!bounded) {
-      piece.cap_m = widest(s, half_width_m_, tolerance_);
-    } else if (!is_admissible(s, tolerance_ * kRoundingShare)) {
-      return false;
-    }
-    division_.pieces.push_back(piece);
-    return true;
-  }
-
   const Stretch& stretch_;
-  double half_width_m_, tolerance_;
+  Accept accept_;
   Division& division_;
 };
+
+double steepest(const Segment& s) { return std::max(std::abs(s.slope_start), std::abs(s.slope_end)); }
 
 }  // namespace
 
@@ -136,9 +115,46 @@ double least_radius_m(const Segment& segment) {
   return 1 / most;
 }
 
+std::optional<double> tight_cap_m(Segment segment, double half_width_m, double mapping_tolerance) {
+  if (steepest(segment) > kStraightSlope) return std::nullopt;
+  set_arc(segment);
+  double low = kLeastHalfWidth_m, high = half_width_m;
+  if (!(low < high)) return 0;
+  if (!admissible_at(segment, low, mapping_tolerance)) {
+    // Wide enough, but perhaps too long for what the least width tolerates.
+    return std::isfinite(segment.bound.v) ? std::nullopt : std::optional(0.0);
+  }
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    (admissible_at(segment, middle, mapping_tolerance) ? low : high) = middle;
+  }
+  return low * kRoundingShare;
+}
+
 Division divide(const Stretch& stretch, double t0, double t1, double half_width_m, double mapping_tolerance) {
   Division division;
-  Divider(stretch, half_width_m, mapping_tolerance, division).run(t0, t1, 0);
+  const auto accept = [&](Piece& piece) {
+    Segment& s = piece.segment;
+    s.set_half_width_m({half_width_m, 0, 0, 0});
+    set_bound(s);
+    if (std::isfinite(s.bound.v)) {
+      set_arc(s);
+      return is_admissible(s, mapping_tolerance * kRoundingShare);
+    }
+    const std::optional<double> cap_m = tight_cap_m(s, half_width_m, mapping_tolerance);
+    if (!cap_m) return false;
+    piece.cap_m = *cap_m;
+    set_arc(s);
+    return true;
+  };
+  Divider(stretch, accept, division).run(t0, t1, 0);
+  return division;
+}
+
+Division divide_into_graphs(const Stretch& stretch, double most_slope) {
+  Division division;
+  const auto accept = [&](const Piece& piece) { return steepest(piece.segment) <= most_slope; };
+  Divider(stretch, accept, division).run(0, 1, 0);
   return division;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -44,6 +45,10 @@ struct Piece {
 // Least radius of curvature of the piece's own curve, in metres; infinite where it is straight.
 double least_radius_m(const Segment& segment);
 
+// For a segment without a mapping bound at the half width: the greatest half width that is admissible (0 where even
+// kLeastHalfWidth_m is not), or none where the segment is not nearly straight, so that halving it may help.
+std::optional<double> tight_cap_m(Segment segment, double half_width_m, double mapping_tolerance);
+
 // Where a stretch has no direction: it stops or reverses on the spot.
 struct Cusp {
   double t;
@@ -58,5 +63,9 @@ struct Division {
 // yet tighter than the half width allows (Piece::tight). Cost: O(pieces); at most kMostHalvings deep.
 Division divide(const Stretch& stretch, double t0, double t1, double half_width_m, double mapping_tolerance);
 inline constexpr int kMostHalvings = 24;
+
+// Halves the stretch until each piece's tangents are at most most_slope off its chord, whatever the width. At most
+// kMostHalvings deep.
+Division divide_into_graphs(const Stretch& stretch, double most_slope);
 
 }  // namespace roadgen

@@ -33,7 +33,7 @@ struct RoadPoint {
 };
 
 // How the point stands against one segment, however far away. Accuracy: on the carriageway |t - exact| is at most
-// segment.bound.v * L and s is off by at most segment.bound.u * L times ds/dx; elsewhere 1e-9 m. Cost: O(1).
+// segment.v_bound_m() and |s - exact| at most segment.s_bound_m(); elsewhere 1e-9 m and arc_error_m. Cost: O(1).
 RoadPoint locate(const Segment& segment, glm::dvec2 point_m);
 
 // Immutable after construction: any number of threads may ask. No allocation per query but in within().

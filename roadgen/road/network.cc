@@ -46,13 +46,15 @@ void check_segment(const Road& road, const Segment& segment, CheckReport& report
     report.problems.push_back(at(road, s, "the segment has no length"));
     return;
   }
-  report.max_mapping_bound_m = std::max(report.max_mapping_bound_m, segment.bound.v * length);
+  report.max_mapping_bound_m = std::max(report.max_mapping_bound_m, segment.v_bound_m());
+  report.max_s_bound_m = std::max(report.max_s_bound_m, segment.s_bound_m());
   report.max_arc_error_m = std::max(report.max_arc_error_m, segment.arc_error_m);
   if (!is_admissible(segment)) {
     report.problems.push_back(at(road, s,
                                  "the mapping is not certified to " + number("%g", kMappingTolerance) +
-                                     " of the half width (bound " + number("%.3g", segment.bound.v * length) +
-                                     " m): the road is too wide or too tightly bent here; import it again"));
+                                     " of the half width (bounds " + number("%.3g", segment.v_bound_m()) +
+                                     " m across and " + number("%.3g", segment.s_bound_m()) +
+                                     " m along): the road is too wide or too tightly bent here; import it again"));
   }
   if (!((segment.left_m - segment.right_m).range(segment.arc_m).low > 0)) {
     report.problems.push_back(at(road, s, "the width is not positive"));

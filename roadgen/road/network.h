@@ -112,13 +112,14 @@ JointGap joint_gap(const Segment& before, const Segment& after);
 struct CheckReport {
   std::size_t joints = 0;
   JointGap worst;
-  double max_mapping_bound_m = 0;  // proven bound of |v - exact| in metres, over all segments
-  double max_arc_error_m = 0;
+  double max_mapping_bound_m = 0;     // proven bound of |v - exact| in metres, over all segments
+  double max_s_bound_m = 0;           // likewise of |s - exact|
+  double max_arc_error_m = 0;         // the part of it that the arc length polynomial has
   std::vector<std::string> problems;  // "road R, s = 123.4 m: what"
   bool ok() const { return problems.empty(); }
 };
 
-// Limits: position 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bound kMappingTolerance
+// Limits: position 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bounds kMappingTolerance
 // of the half width, elevation gap 1e-6 m, widths positive, numbers finite; and the problems() of junctions.
 CheckReport check(const Network& network);
 

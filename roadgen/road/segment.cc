@@ -18,21 +18,20 @@ constexpr std::array<double, 4> kGaussNode = {0.1834346424956498, 0.525532409916
 constexpr std::array<double, 4> kGaussWeight = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
                                                 0.1012285362903763};
 
-// Arc length of the chord-frame curve from u0 to u1, in units of L. The integrand is smooth with |f'| of order 1: four
-// panels of 8 points reach 1e-13 over the whole of [0, 1].
-double arc_between(double u0, double u1, double a, double b, int panels = 4) {
+// Roundings of the arc length polynomial and of its error's own computation, in units of L.
+constexpr double kArcRounding = 1e-14;
+
+// Arc length of the chord-frame curve from u0 to u1, in units of L, by one panel of the rule.
+double arc_panel(double u0, double u1, double a, double b) {
+  const double half = 0.5 * (u1 - u0), middle = u0 + half;
   double sum = 0;
-  for (int panel = 0; panel < panels; ++panel) {
-    const double half = (u1 - u0) / (2 * panels);
-    const double middle = u0 + half * (2 * panel + 1);
-    for (std::size_t i = 0; i < kGaussNode.size(); ++i) {
-      for (const double node : {-kGaussNode[i], kGaussNode[i]}) {
-        const double df = Lib::road_df(middle + half * node, a, b);
-        sum += half * kGaussWeight[i] * std::sqrt(1 + df * df);
-      }
+  for (std::size_t i = 0; i < kGaussNode.size(); ++i) {
+    for (const double node : {-kGaussNode[i], kGaussNode[i]}) {
+      const double df = Lib::road_df(middle + half * node, a, b);
+      sum += kGaussWeight[i] * std::sqrt(1 + df * df);
     }
   }
-  return sum;
+  return half * sum;
 }
 
 // Real roots of f' in (0, 1).
@@ -48,6 +47,49 @@ std::array<double, 2> interior_extrema(double a, double b, int& count) {
     if (x > 0 && x < 1) roots[count++] = x;
   }
   return roots;
+}
+
+// Maxima of |f'|, |f''| and |f'''| on [0, 1].
+struct Derivatives {
+  double f1, f2, f3;
+};
+
+Derivatives greatest_derivatives(double a, double b) {
+  double f1 = std::max(std::abs(a), std::abs(b));
+  if (a + b != 0) {
+    const double x = (4 * a + 2 * b) / (6 * (a + b));  // where f'' = 0
+    if (x > 0 && x < 1) f1 = std::max(f1, std::abs(Lib::road_df(x, a, b)));
+  }
+  return {f1, std::max(std::abs(4 * a + 2 * b), std::abs(2 * a + 4 * b)), 6 * std::abs(a + b)};
+}
+
+// Upper bound of what road_arc is off by on [0, 1], in units of L, with the arc length at u = 1/2 by the same
+// quadrature; see set_arc.
+double arc_error(double a, double b, double arc, double c0, double c1, double half) {
+  const auto [f1, f2, f3] = greatest_derivatives(a, b);
+  if (f2 == 0) return 0;
+  // p - q = u^2 (1 - u)^2 (u - 1/4) (u - 3/4) r, r = r0 + r1 t + r2 t^2 + r3 t^3, t = u - 1/2.
+  const auto slope_error = [&](double u) {
+    const double df = Lib::road_df(u, a, b);
+    return Lib::road_darc(u, a, b, arc, c0, c1) - std::sqrt(1 + df * df);
+  };
+  const double before = slope_error(0.25) * (-512.0 / 9), after = slope_error(0.75) * (512.0 / 9);
+  const double r0 = (Lib::road_arc(0.5, a, b, arc, c0, c1) - half) * -256, r1 = slope_error(0.5) * -256;
+  const double r2 = (0.5 * (before + after) - r0) * 16, r3 = (0.5 * (after - before) - 0.25 * r1) * 64;
+  // Greatest values of u^2 (1 - u)^2 |u - 1/4| |u - 3/4| |t|^k.
+  const double difference =
+      std::abs(r0) / 256 + std::abs(r1) * 3.53e-4 + std::abs(r2) * 1.319e-4 + std::abs(r3) * 5.1e-5;
+
+  constexpr double kH5 = 8.07, kH6 = 45, kH7 = 207, kH8 = 1575, kH9 = 10288;  // |hk| for any g
+  const double s = f2 * f2, t = f3;
+  const double tenth = f2 * ((((kH9 * s + 36 * kH8 * t) * s + 378 * kH7 * t * t) * s + 1260 * kH6 * t * t * t) * s +
+                             945 * kH5 * t * t * t * t);
+
+  // (8!)^4 / (17 (16!)^2) = 3.56e-10, and (h / R)^16 with h = 1/4.
+  const double ratio = 0.125 * (f2 + std::sqrt(s + 2 * t));
+  const double ratio2 = ratio * ratio, ratio4 = ratio2 * ratio2, ratio8 = ratio4 * ratio4;
+  const double quadrature = 3.56e-10 * std::sqrt(1 + (f1 + 1) * (f1 + 1)) * ratio8 * ratio8;
+  return (difference + 3.47e-12 * tenth + 1.27 * quadrature) * (1 + kRoundingAllowance) + kArcRounding;
 }
 
 // Upper bound of |f f'| on [0, 1]: values at midpoints plus a Lipschitz constant.
@@ -132,24 +174,15 @@ double Segment::chord_length_m() const { return glm::length(chord_m()); }
 void set_arc(Segment& segment) {
   const double a = segment.slope_start, b = segment.slope_end, length = segment.chord_length_m();
   assert(length > 0 && std::isfinite(length));
-  const double arc = arc_between(0, 1, a, b);
+  const double first = arc_panel(0, 0.25, a, b), half = first + arc_panel(0.25, 0.5, a, b);
+  const double to_last = half + arc_panel(0.5, 0.75, a, b), arc = to_last + arc_panel(0.75, 1, a, b);
   // Two conditions, at u = 1/4 and 3/4, where u^2 (1 - u)^2 = 9/256.
-  const double quarter = arc_between(0, 0.25, a, b) - Lib::road_arc(0.25, a, b, arc, 0.0, 0.0);
-  const double three_quarters = arc_between(0, 0.75, a, b) - Lib::road_arc(0.75, a, b, arc, 0.0, 0.0);
+  const double quarter = first - Lib::road_arc(0.25, a, b, arc, 0.0, 0.0);
+  const double three_quarters = to_last - Lib::road_arc(0.75, a, b, arc, 0.0, 0.0);
   segment.arc_c0 = (quarter + three_quarters) * 0.5 * 256.0 / 9.0;
   segment.arc_c1 = (three_quarters - quarter) * 2.0 * 256.0 / 9.0;
   segment.arc_m = arc * length;
-
-  constexpr int kProbes = 16;
-  double error = 0, exact = 0;
-  for (int i = 1; i < kProbes; ++i) {
-    const double u = static_cast<double>(i) / kProbes;
-    exact += arc_between(u - 1.0 / kProbes, u, a, b, 1);
-    error = std::max(error, std::abs(Lib::road_arc(u, a, b, arc, segment.arc_c0, segment.arc_c1) - exact));
-  }
-  // The error swings three times between its zeros; a peak between two probes is less than this much higher.
-  constexpr double kBetweenProbes = 1.05;
-  segment.arc_error_m = kBetweenProbes * error * length;
+  segment.arc_error_m = arc_error(a, b, arc, segment.arc_c0, segment.arc_c1, half) * length;
 }
 
 void set_bound(Segment& segment) {
@@ -186,36 +219,34 @@ Cubic::Range curve_range(double slope_start, double slope_end) {
 }
 
 MappingBound mapping_bound(double a, double b, double w) {
-  const MappingBound none{kInfinity, kInfinity};
+  const MappingBound none{kInfinity, kInfinity, kInfinity};
   if (!std::isfinite(a) || !std::isfinite(b) || !(w >= 0) || !std::isfinite(w)) return none;
   const Cubic::Range f = curve_range(a, b);
   const double f0 = std::max(-f.low, f.high);
-  double f1 = std::max(std::abs(a), std::abs(b));
-  if (a + b != 0) {
-    const double x = (4 * a + 2 * b) / (6 * (a + b));  // where f'' = 0
-    if (x > 0 && x < 1) f1 = std::max(f1, std::abs(Lib::road_df(x, a, b)));
-  }
-  const double f2 = std::max(std::abs(4 * a + 2 * b), std::abs(2 * a + 4 * b));
-  const double f3 = 6 * std::abs(a + b);
-  if (f2 == 0) return {0, 0};  // straight: the mapping is exact
+  const auto [f1, f2, f3] = greatest_derivatives(a, b);
+  if (f2 == 0) return {0, 0, 0};  // straight: the mapping is exact
   if ((f0 + w) * f2 >= 1) return none;
 
   // e (p - F1 F2 e) <= E, and e grows from 0 at the joints: e is at most the smaller root.
   const double p = 1 - w * f2, residual = max_residual(a, b, f0, f1, f2);
   const double discriminant = p * p - 4 * f1 * f2 * residual;
-  if (p <= 0 || discriminant < 0) return none;
+  if (p <= 0 || discriminant < 1e-6 * p * p) return none;  // near a double root rounding would count
   const double e = 2 * residual / (p + std::sqrt(discriminant));
 
   const double reach = w + f1 * e;
   const double least_slope = 1 - reach * f2;
   if (least_slope <= 0.05) return none;  // road_newton's own limit
-  const double after_step = std::min(e, (3 * f1 * f2 + reach * f3) * e * e / (2 * least_slope));
-  return {f2 * (1 + f1 * f1 + reach * f2) * after_step * after_step / 2, after_step};
+  const double most_second = 3 * f1 * f2 + reach * f3;
+  const auto after_step = [&](double error) {
+    return std::min(error, most_second * error * error / (2 * least_slope));
+  };
+  const double left = after_step(after_step(e)) * (1 + kRoundingAllowance);
+  return {f2 * (1 + f1 * f1 + reach * f2) * left * left / 2, left, std::sqrt(1 + f1 * f1) * left};
 }
 
 bool is_admissible(const Segment& segment, double tolerance) {
-  const double w = segment.max_half_width_m() / segment.chord_length_m();
-  return segment.bound.v <= tolerance * w && segment.arc_error_m <= kArcTolerance_m;
+  const double most_m = tolerance * segment.max_half_width_m();
+  return segment.v_bound_m() <= most_m && segment.s_bound_m() <= most_m;
 }
 
 glm::dvec2 to_chord(const Segment& segment, glm::dvec2 point_m) {

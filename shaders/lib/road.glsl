@@ -5,7 +5,7 @@
 //
 // A point (x, y) gets u, the parameter of the nearest point of the centre line, and v, its signed distance (left
 // positive) from it. Source: Loviscach 2005, Paving Procedural Roads with Pixel Shaders, section 3, equations 1 to 5;
-// the Newton step on equation 1 is ours. C++: shaders/lib/glsl.h.
+// the Newton steps on equation 1 are ours. C++: shaders/lib/glsl.h.
 
 struct RoadCoord {
   float u;  // 0 at the start anchor, 1 at the end anchor
@@ -65,12 +65,14 @@ FN RoadCoord road_project_paper(IN(float) x, IN(float) y, IN(float) a, IN(float)
   return c;
 }
 
-// The mapping with (alpha, beta, gamma) at hand: equation 3, one Newton step, equation 5. u is clamped to [0, 1].
+// The mapping with (alpha, beta, gamma) at hand: equation 3, two Newton steps, equation 5. u is clamped to [0, 1]. One
+// step would do for v, whose error is of second order in u's; the arc length at u takes u's own.
 FN RoadCoord road_project_linear(IN(float) alpha, IN(float) beta, IN(float) gamma, IN(float) x, IN(float) y,
                                  IN(float) a, IN(float) b) {
   RoadCoord c;
-  c.u = clamp(road_newton(clamp(road_u1(alpha, beta, gamma), float(0.0), float(1.0)), x, y, a, b), float(0.0),
-              float(1.0));
+  c.u = clamp(road_u1(alpha, beta, gamma), float(0.0), float(1.0));
+  c.u = clamp(road_newton(c.u, x, y, a, b), float(0.0), float(1.0));
+  c.u = clamp(road_newton(c.u, x, y, a, b), float(0.0), float(1.0));
   c.v = road_v(c.u, x, y, a, b);
   return c;
 }

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/fit/catmull_rom.h"
+#include "roadgen/fit/curvature.h"
 
 namespace roadgen {
 namespace {
@@ -408,6 +409,173 @@ TEST(Alignment, GivenGradesAreKept) {
   const Result<Road> road = road_from_anchors(anchors, {});
   ASSERT_TRUE(road.ok());
   EXPECT_NEAR(road->segments[1].elevation_m.slope(0), -0.05, 1e-12);
+}
+
+// Curvature at both sides of every joint, by the segments' own function.
+void expect_smooth(const Road& road) {
+  EXPECT_LT(checked(road).worst.curvature_per_m, 1e-9);
+  if (road.closed) return;
+  EXPECT_NEAR(curvature_per_m(road.segments.front(), 0), 0, 1e-9);
+  EXPECT_NEAR(curvature_per_m(road.segments.back(), 1), 0, 1e-9);
+}
+
+TEST(CurvatureTangents, JoinPolylinesWithoutJumpsOfCurvature) {
+  Polylines random(201);
+  constexpr int kPolylines = 1000;
+  int roads = 0;
+  for (int i = 0; i < kPolylines; ++i) {
+    AlignmentOptions options = random_options(random, TightPolicy::kNarrow);
+    options.tangents = Tangents::kCurvature;
+    const std::vector<Anchor> anchors = random.next();
+    Diagnostics diagnostics;
+    const Result<Road> road = road_from_anchors(anchors, options, &diagnostics);
+    SCOPED_TRACE("polyline " + std::to_string(i));
+    if (!road.ok()) {
+      EXPECT_EQ(road.error().code, ErrorCode::kGeometry) << road.error().text();
+      continue;
+    }
+    ++roads;
+    const bool narrowed = std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) {
+      return d.message.find("narrowed") != std::string::npos;
+    });
+    expect_road_through(distinct(anchors, options.closed), *road, narrowed);
+    expect_smooth(*road);
+    if (testing::Test::HasFatalFailure() || testing::Test::HasNonfatalFailure()) return;
+  }
+  EXPECT_GT(roads, kPolylines * 9 / 10);
+}
+
+TEST(CurvatureTangents, CloseCircuits) {
+  Polylines random(202);
+  AlignmentOptions options;
+  options.tangents = Tangents::kCurvature;
+  options.closed = true;
+  for (int i = 0; i < 200; ++i) {
+    std::vector<Anchor> anchors;
+    const double radius = random.uniform(40, 400), phase = random.uniform(0, 6);
+    for (double angle = 0; angle < 5.9; angle += random.uniform(0.25, 0.9)) {
+      anchors.push_back({radius * (1 + 0.15 * std::sin(3 * angle + phase)) * direction(angle), 0, 4});
+    }
+    const Result<Road> road = road_from_anchors(anchors, options);
+    ASSERT_TRUE(road.ok()) << road.error().text();
+    expect_road_through(anchors, *road, false);
+    expect_smooth(*road);
+  }
+}
+
+// On a circle the tangents are the circle's by symmetry, and a segment with the slopes tan(angle) and -tan(angle) over a
+// chord of 2 R sin(angle) has the curvature cos(angle)^2 / R at its ends.
+TEST(CurvatureTangents, KeepTheCurvatureOfACircle) {
+  AlignmentOptions options;
+  options.tangents = Tangents::kCurvature;
+  options.closed = true;
+  for (const int count : {2, 3, 4, 6, 8, 16, 64}) {
+    std::vector<Anchor> anchors;
+    for (int i = 0; i < count; ++i) anchors.push_back({100.0 * direction(2 * M_PI * i / count), 0, 4});
+    const Result<Road> road = road_from_anchors(anchors, options);
+    ASSERT_TRUE(road.ok()) << road.error().text();
+    expect_smooth(*road);
+    const bool whole = road->segments.size() == anchors.size();
+    EXPECT_TRUE(whole || count < 12) << count;
+    if (!whole) continue;
+    for (const Segment& s : road->segments) {
+      EXPECT_NEAR(100 * curvature_per_m(s, 0), std::pow(std::cos(M_PI / count), 2), 1e-9) << count;
+    }
+  }
+}
+
+// Where slopes are small the road is the cubic spline, and the clamped spline of a cubic is that cubic: slopes of 1e-4
+// leave differences of their cube.
+TEST(CurvatureTangents, AreThoseOfTheCubicSplineWhereSlopesAreSmall) {
+  const auto y = [](double x) { return 1e-4 * x * (1 - 0.02 * x + 1e-4 * x * x); };
+  const auto dy = [](double x) { return 1e-4 * (1 - 0.04 * x + 3e-4 * x * x); };
+  std::vector<glm::dvec2> points;
+  std::vector<double> headings;
+  for (const double x : {0.0, 10.0, 35.0, 41.0, 60.0, 100.0}) {
+    points.push_back({x, y(x)});
+    headings.push_back(0);
+  }
+  std::vector<char> fixed(points.size(), 0);
+  fixed.front() = fixed.back() = 1;
+  headings.front() = std::atan(dy(0));
+  headings.back() = std::atan(dy(100));
+  ASSERT_FALSE(equalize_curvature(points, fixed, false, headings));
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(headings[i], std::atan(dy(points[i].x)), 1e-11) << i;
+}
+
+TEST(CurvatureTangents, GivenHeadingsAreKept) {
+  Polylines random(203);
+  std::vector<Anchor> anchors = random.walk(20, 0.2);
+  AlignmentOptions options;
+  options.tangents = Tangents::kCurvature;
+  const std::vector<double> headings = catmull_rom_headings(anchors, options);
+  for (const std::size_t i : {std::size_t{0}, std::size_t{9}, std::size_t{19}})
+    anchors[i].heading_rad = headings[i] + 0.1;
+  const Result<Road> road = road_from_anchors(anchors, options);
+  ASSERT_TRUE(road.ok()) << road.error().text();
+  const auto& segments = road->segments;
+  EXPECT_NEAR(std::remainder(heading_rad(segments.front(), 0) - *anchors[0].heading_rad, 2 * M_PI), 0, 1e-12);
+  EXPECT_NEAR(std::remainder(heading_rad(segments.back(), 1) - *anchors[19].heading_rad, 2 * M_PI), 0, 1e-12);
+  for (std::size_t k = 1; k < segments.size(); ++k) {
+    const double gap = joint_gap(segments[k - 1], segments[k]).curvature_per_m;
+    if (segments[k].start_m != anchors[9].position_m) {
+      EXPECT_LT(gap, 1e-9);
+      continue;
+    }
+    EXPECT_GT(gap, 1e-4);
+    EXPECT_NEAR(std::remainder(heading_rad(segments[k], 0) - *anchors[9].heading_rad, 2 * M_PI), 0, 1e-12);
+  }
+}
+
+// Any points and headings: a solution, or the point where there is none and the headings as they were.
+TEST(CurvatureTangents, ConvergeOrSayWhereTheyDoNot) {
+  Polylines random(204);
+  int solved = 0, refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::vector<glm::dvec2> points;
+    for (const Anchor& a : random.walk(2 + random.below(12), random.uniform(0, 0.4))) points.push_back(a.position_m);
+    const bool closed = random.below(2);
+    std::vector<double> headings;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const glm::dvec2 d = k + 1 < points.size() ? points[k + 1] - points[k] : points[k] - points[k - 1];
+      headings.push_back(std::atan2(d.y, d.x) + random.uniform(-0.5, 0.5));
+    }
+    const std::vector<double> before = headings;
+    const std::optional<std::size_t> jump =
+        equalize_curvature(points, std::vector<char>(points.size(), 0), closed, headings);
+    if (jump) {
+      ++refused;
+      ASSERT_LT(*jump, points.size());
+      ASSERT_EQ(headings, before);
+      continue;
+    }
+    ++solved;
+    for (std::size_t k = closed ? 0 : 1; k + (closed ? 0 : 1) < points.size(); ++k) {
+      const std::size_t last = k == 0 ? points.size() - 1 : k - 1, next = k + 1 == points.size() ? 0 : k + 1;
+      const Segment in = make_segment(points[last], points[k], headings[last], headings[k], 1);
+      const Segment out = make_segment(points[k], points[next], headings[k], headings[next], 1);
+      ASSERT_NEAR(curvature_per_m(in, 1), curvature_per_m(out, 0), 1e-11);
+    }
+  }
+  EXPECT_GT(solved, 500);
+  EXPECT_GT(refused, 500);
+}
+
+// There is no curve without a cusp or a jump here, or it is found; either way the search ends.
+TEST(CurvatureTangents, DoublingBackEnds) {
+  AlignmentOptions options;
+  options.tangents = Tangents::kCurvature;
+  for (const bool closed : {false, true}) {
+    options.closed = closed;
+    const std::vector<Anchor> anchors = {{{0, 0}}, {{50, 0}}, {{0, 0}}, {{50, 0.5}}, {{0, 1}}, {{50, 0}}};
+    const Result<Road> road = road_from_anchors(anchors, options);
+    if (road.ok()) {
+      EXPECT_TRUE(checked(*road).ok());
+    } else {
+      EXPECT_EQ(road.error().code, ErrorCode::kGeometry);
+      EXPECT_NE(road.error().message.find("between anchors"), std::string::npos) << road.error().text();
+    }
+  }
 }
 
 }  // namespace

@@ -106,7 +106,8 @@ struct Course {
   std::size_t most_segments;
 };
 
-const Course kCourses[] = {{"bend", 420, bend, 14}, {"hairpin", 200, hairpin, 20}, {"winding", 1500, winding, 65}};
+// Segments include those cut for the arc length's certificate.
+const Course kCourses[] = {{"bend", 420, bend, 14}, {"hairpin", 200, hairpin, 20}, {"winding", 1500, winding, 68}};
 
 TEST(Fit, RecoversKnownCurvesFromNoisySamples) {
   for (const Course& course : kCourses) {
@@ -178,7 +179,8 @@ TEST(Fit, CirclesTakeFewSegmentsWhereverTheyBegin) {
     expect_good(fitted, samples, options);
     if (!fitted.ok()) continue;
     // An arc of 45 degrees, which is 8 of them, is as far as a cubic stays within 0.1 m of this circle.
-    EXPECT_LE(fitted->road.segments.size(), 13u);
+    // Longer pieces of it are cut for the arc length's certificate.
+    EXPECT_LE(fitted->road.segments.size(), 14u);
     EXPECT_NEAR(fitted->road.length_m(), 2 * M_PI * 80, 0.2);
   }
 }

@@ -1,6 +1,7 @@
 // Segments: the proven bound of the mapping, arc length, nearest point, profiles and the fitted quad.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 #include <vector>
 
@@ -84,7 +85,8 @@ TEST(MappingBound, IsNeverBelowTheSampledError) {
   EXPECT_GT(finite, 1000);
 }
 
-// A bound that is far too large would split roads for nothing.
+// A bound that is far too large would split roads for nothing. Each of the two Newton steps squares the error, and how
+// much too large its bound is: what is compared is the fourth root, that of equation 3's own error.
 TEST(MappingBound, IsNotAbsurdlyLoose) {
   Segments random(12);
   std::vector<double> ratio;
@@ -92,11 +94,11 @@ TEST(MappingBound, IsNotAbsurdlyLoose) {
     const double a = random.uniform(-0.6, 0.6), b = random.uniform(-0.6, 0.6), w = random.uniform(0.02, 0.3);
     const MappingBound bound = mapping_bound(a, b, w);
     const double sampled = sampled_error(a, b, w).u;
-    if (std::isfinite(bound.u) && sampled > 1e-9) ratio.push_back(bound.u / sampled);
+    if (std::isfinite(bound.u) && sampled > 1e-9) ratio.push_back(std::pow(bound.u / sampled, 0.25));
   }
   std::sort(ratio.begin(), ratio.end());
-  EXPECT_LT(ratio[ratio.size() / 2], 30);
-  EXPECT_LT(ratio[ratio.size() * 9 / 10], 1000);
+  EXPECT_LT(ratio[ratio.size() / 2], 5);
+  EXPECT_LT(ratio[ratio.size() * 9 / 10], 15);
 }
 
 TEST(MappingBound, AdmitsOrdinaryRoads) {
@@ -120,15 +122,87 @@ TEST(MappingBound, IsInfiniteBeyondTheCenterOfCurvature) {
   EXPECT_TRUE(std::isinf(mapping_bound(std::nan(""), 0, 0.1).v));
 }
 
-// Reference arc length: Simpson's rule with many panels.
-double simpson_arc(const Segment& s, double u) {
-  constexpr int kPanels = 2000;
+// Reference arc length from the start to u: the 5-point Gauss-Legendre rule in 40 panels (Abramowitz and Stegun, table
+// 25.4), other nodes and ten times the panels of the code.
+double gauss_arc(const Segment& s, double u) {
+  constexpr double kNode[] = {0, 0.5384693101056831, 0.9061798459386640};
+  constexpr double kWeight[] = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};
+  constexpr int kPanels = 40;
+  const auto speed = [&](double at) { return std::hypot(1, Lib::road_df(at, s.slope_start, s.slope_end)); };
+  const double half = 0.5 * u / kPanels;
   double sum = 0;
-  for (int i = 0; i <= kPanels; ++i) {
-    const double df = Lib::road_df(u * i / kPanels, s.slope_start, s.slope_end);
-    sum += std::sqrt(1 + df * df) * (i == 0 || i == kPanels ? 1 : i % 2 ? 4 : 2);
+  for (int i = 0; i < kPanels; ++i) {
+    const double middle = half * (2 * i + 1);
+    sum += kWeight[0] * speed(middle);
+    for (const int k : {1, 2}) sum += kWeight[k] * (speed(middle - half * kNode[k]) + speed(middle + half * kNode[k]));
   }
-  return sum * u / (3 * kPanels) * s.chord_length_m();
+  return half * sum * s.chord_length_m();
+}
+
+// How far an error came up to its bound, over many segments.
+struct Tightness {
+  std::vector<double> ratio;
+
+  void add(double error, double bound, double noise) {
+    if (bound > 1e3 * noise) ratio.push_back(error / bound);
+  }
+  double greatest() const { return *std::max_element(ratio.begin(), ratio.end()); }
+  double median() {
+    std::nth_element(ratio.begin(), ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2), ratio.end());
+    return ratio[ratio.size() / 2];
+  }
+};
+
+// Arcs, spirals and S-bends; the half width goes up to where no bound can be given.
+Segment bounded_segment(Segments& random) {
+  for (;;) {
+    Segment s = random.next(random.uniform(0.01, 1.2));
+    s.end_m -= s.start_m;  // no rounding of coordinates
+    s.start_m = {0, 0};
+    const double share = random.uniform(0, 1);
+    if (share < 0.5) s.slope_end = -s.slope_start * (share < 0.25 ? 1 : random.uniform(0.5, 1.5));
+    s.set_half_width_m({random.uniform(0.005, 0.5) * s.chord_length_m(), 0, 0, 0});
+    set_arc(s);
+    set_bound(s);
+    if (std::isfinite(s.bound.v)) return s;
+  }
+}
+
+// The mapping's v, s and u at random points of random footprints against the nearest point and its arc length.
+// Both sides are computed to 1e-12 of the chord.
+TEST(MappingBound, HoldsOverRandomFootprints) {
+  Segments random(14);
+  constexpr int kSegments = 100000, kPoints = 6;
+  int admissible = 0;
+  Tightness across, along;
+  for (int i = 0; i < kSegments; ++i) {
+    const Segment s = bounded_segment(random);
+    admissible += is_admissible(s);
+    const double length = s.chord_length_m(), w = s.left_m.c0 / length, noise_m = 1e-12 * length;
+    double worst_v_m = 0, worst_s_m = 0;
+    for (int k = 0; k < kPoints; ++k) {
+      const double v = k < 4 ? (k % 2 ? w : -w) : random.uniform(-w, w);
+      const glm::dvec2 p = from_chord(s, beside(s.slope_start, s.slope_end, random.uniform(0, 1), v));
+      const Lib::RoadCoord c = project(s, p);
+      const Nearest exact = nearest(s, p);
+      worst_v_m = std::max(worst_v_m, std::abs(std::abs(c.v) * length - exact.distance_m));
+      worst_s_m = std::max(worst_s_m, std::abs(arc_at(s, c.u) - gauss_arc(s, exact.u)));
+      ASSERT_LE(std::abs(c.u - exact.u), s.bound.u + 1e-12) << s.slope_start << ' ' << s.slope_end << ' ' << w;
+    }
+    ASSERT_LE(worst_v_m, s.v_bound_m() + noise_m) << s.slope_start << ' ' << s.slope_end << ' ' << w;
+    ASSERT_LE(worst_s_m, s.s_bound_m() + noise_m) << s.slope_start << ' ' << s.slope_end << ' ' << w;
+    across.add(worst_v_m, s.v_bound_m(), noise_m);
+    along.add(worst_s_m, s.s_bound_m(), noise_m);
+  }
+  EXPECT_GT(admissible, kSegments / 10);
+  EXPECT_LT(admissible, kSegments * 9 / 10);
+  // The bound of s is as small as it can be. That of v is not, but where s keeps its limit v is 1e4 times below its own:
+  // two steps take it from the square to the fourth power of an error of some percent.
+  EXPECT_GT(along.greatest(), 0.95);
+  EXPECT_GT(along.median(), 0.3);
+  std::printf("error / bound, median and greatest: v %.2g %.2g (%zu segments), s %.2g %.2g (%zu); %d admissible\n",
+              across.median(), across.greatest(), across.ratio.size(), along.median(), along.greatest(),
+              along.ratio.size(), admissible);
 }
 
 TEST(ArcLength, IsExactAtBothEndsInValueAndSlope) {
@@ -136,7 +210,7 @@ TEST(ArcLength, IsExactAtBothEndsInValueAndSlope) {
   for (int i = 0; i < 300; ++i) {
     const Segment s = random.next(1);
     const double length = s.chord_length_m(), arc = s.arc_m / length;
-    ASSERT_NEAR(s.arc_m, simpson_arc(s, 1), 1e-11 * length);
+    ASSERT_NEAR(s.arc_m, gauss_arc(s, 1), 1e-11 * length);
     ASSERT_EQ(arc_at(s, 0), 0);
     ASSERT_NEAR(arc_at(s, 1), s.arc_m, 1e-14 * s.arc_m);
     ASSERT_NEAR(Lib::road_darc(0, s.slope_start, s.slope_end, arc, s.arc_c0, s.arc_c1), std::hypot(1, s.slope_start),
@@ -152,7 +226,7 @@ TEST(ArcLength, StaysWithinTheStatedError) {
     const Segment s = random.next(1);
     for (int k = 0; k < 10; ++k) {
       const double u = random.uniform(0, 1);
-      ASSERT_LE(std::abs(arc_at(s, u) - simpson_arc(s, u)), s.arc_error_m + 1e-11 * s.arc_m)
+      ASSERT_LE(std::abs(arc_at(s, u) - gauss_arc(s, u)), s.arc_error_m + 1e-11 * s.arc_m)
           << s.slope_start << ' ' << s.slope_end << ' ' << u;
     }
   }
