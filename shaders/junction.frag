@@ -56,6 +56,7 @@ struct Spot {
   vec3 step_x;     // change per pixel right and up
   vec3 step_y;
   float coverage;  // part of the pixel that lies within the area
+  float under_m;   // how far beyond its corners
 };
 
 Spot spot_at(vec3 place, JunctionHeight h) {
@@ -68,6 +69,8 @@ Spot spot_at(vec3 place, JunctionHeight h) {
   spot.step_y = frame_footprint(spot.position, spot.normal, up.xyz);
   JunctionSide side = side_at(place.xy);
   float inside_m = junction_open_distance(side);
+  spot.under_m = max(-inside_m, 0.0);
+  inside_m += headers[junction].phase.z;
 #ifdef CHANNELS
   spot.coverage = inside_m >= 0.0 ? 1.0 : 0.0;
 #else
@@ -198,5 +201,7 @@ void main() {
   // One depth serves all samples of the pixel: the nearest within it, as for roads.
   depth -= 0.5 * (abs(dot(spot.step_x, forward.xyz)) + abs(dot(spot.step_y, forward.xyz)));
 #endif
+  // Strips along the corners lie on it.
+  if (spot.under_m > 0.0) depth += 0.02;
   gl_FragDepth = forward.w / max(depth, forward.w);
 }

@@ -6,7 +6,7 @@ struct JunctionHeader {
   vec4 high;
   vec4 plane;        // a plane near the surface: slopes along x and y, height at the centre; w: how much the surface's
                      // slope departs from it
-  vec4 phase;        // xy: centre modulo NOISE_PERIOD
+  vec4 phase;        // xy: centre modulo NOISE_PERIOD; z: how far the area reaches under the strips at its corners
   uvec4 range;       // first cut, number of cuts, first corner piece, number of corner pieces
   uvec4 ids;         // index of the junction, instance
 };

@@ -3,11 +3,14 @@
 #include <algorithm>
 
 #include "roadgen/fit/catmull_rom.h"
+#include "roadgen/road/crossing.h"
 
 namespace roadgen::demo {
 namespace {
 
 constexpr double kKerb_m = 0.12;  // height
+constexpr double kLane_m = 3.25;
+constexpr double kCrown = 0.025;
 
 Lane lane(LaneType type, double width_m, Mark mark = {}) {
   return {.type = type, .material = default_material(type), .width_m = {width_m}, .mark = mark};
@@ -22,7 +25,7 @@ Lane raised(LaneType type, double width_m) {
 std::vector<Lane> street_side(int lanes) {
   std::vector<Lane> side;
   for (int i = 0; i < lanes; ++i) {
-    side.push_back(lane(LaneType::kDriving, 3.25,
+    side.push_back(lane(LaneType::kDriving, kLane_m,
                         {.kind = i + 1 < lanes ? MarkKind::kBroken : MarkKind::kSolid, .on_m = 3, .off_m = 3}));
   }
   side.push_back(lane(LaneType::kParking, 2.2));
@@ -53,36 +56,71 @@ Result<Road> road(std::string id, std::vector<Anchor> anchors, const LaneSection
   return made;
 }
 
+// A stop line and a zebra crossing before the junction at the road's end or start, over the lanes that lead to it.
+void stop_at(Road& road, bool at_end, int lanes) {
+  const double way = at_end ? 1 : -1, end = at_end ? road.length_m() : 0;
+  const double half = lanes * kLane_m;
+  road.paint.push_back({.kind = PaintKind::kZebra, .s_m = end - way * 3, .length_m = 3, .width_m = 2 * half});
+  road.paint.push_back({.s_m = end - way * 5.75, .t_m = -way * 0.5 * half, .length_m = 0.5, .width_m = half});
+  for (int i = 0; i < lanes; ++i) {
+    const PaintKind kind = lanes == 1 ? PaintKind::kArrow
+                           : i == 0   ? PaintKind::kArrowStraightLeft
+                                      : PaintKind::kArrowRight;
+    road.paint.push_back({.kind = kind,
+                          .s_m = end - way * 14,
+                          .t_m = -way * (i + 0.5) * kLane_m,
+                          .length_m = 5,
+                          .width_m = 1.6,
+                          .against = !at_end});
+  }
+}
+
 }  // namespace
 
 Result<Network> town() {
   Network network;
   network.name = "town";
-  const std::vector<Anchor> main_street = {{{0, 0}, 0},     {{60, 0}, 0},    {{120, 4}, 0.6}, {{180, 14}, 2.0},
-                                           {{240, 40}, 3.5}, {{290, 85}, 4.2}, {{320, 140}, 4.0}, {{330, 200}, 3.0}};
-  Result<Road> high_street = road("high street", main_street, street(2));
-  if (!high_street) return high_street.error();
-  // The bend is banked, the straight crowned.
-  for (Segment& segment : high_street->segments) {
-    const auto bank = [](double s) {
-      const double t = std::clamp((s - 150) / 60, 0.0, 1.0);
-      return 0.05 * t * t * (3 - 2 * t);
-    };
-    const double s = segment.s_start_m, crown = 0.025;
-    segment.superelevation_rad = Cubic::hermite(bank(s), 0, bank(s + segment.arc_m), 0, segment.arc_m);
-    const auto fall = [&](double at) { return crown * (1 - bank(at) / 0.05); };
-    segment.crossfall_left = segment.crossfall_right = {fall(s), (fall(s + segment.arc_m) - fall(s)) / segment.arc_m};
+  const LaneSection wide = street(2), narrow = street(1);
+  auto west = road("west street",
+                   {{{-170, -22}, 1.5}, {{-120, -14}, 0.8}, {{-70, -3}, 0.2}, {{-16, 0}, 0, 3.5, 0.0, -0.01}}, wide);
+  auto east = road("high street",
+                   {{{16, 0}, 0, 3.5, 0.0, 0.01},
+                    {{70, 1}, 0.3},
+                    {{120, 4}, 0.9},
+                    {{180, 14}, 2.0},
+                    {{240, 40}, 3.5},
+                    {{290, 85}, 4.2},
+                    {{320, 140}, 4.0},
+                    {{330, 200}, 3.0}},
+                   wide);
+  auto south = road("mill lane", {{{30, -130}, -3}, {{18, -80}, -2.2}, {{2, -19}, -0.6, 3.5, 1.65, 0.035}}, narrow);
+  auto north = road("hill road", {{{-1, 19}, 0.7, 3.5, 1.6, 0.05}, {{-6, 70}, 3.6}, {{-30, 120}, 6.4}}, narrow);
+  for (auto* made : {&west, &east, &south, &north}) {
+    if (!*made) return made->error();
   }
-  const double lane_m = 3.25;
-  high_street->paint = {
-      {.kind = PaintKind::kLine, .s_m = 100, .t_m = -lane_m, .length_m = 0.5, .width_m = 2 * lane_m},
-      {.kind = PaintKind::kZebra, .s_m = 103.5, .t_m = 0, .length_m = 4, .width_m = 4 * lane_m, .stripe_m = 0.5},
-      {.kind = PaintKind::kArrowStraightLeft, .s_m = 85, .t_m = -0.5 * lane_m, .length_m = 5, .width_m = 1.6},
-      {.kind = PaintKind::kArrowRight, .s_m = 85, .t_m = -1.5 * lane_m, .length_m = 5, .width_m = 1.6},
-      {.kind = PaintKind::kArrow, .s_m = 60, .t_m = -0.5 * lane_m, .length_m = 5, .width_m = 1.6},
-      {.kind = PaintKind::kArrow, .s_m = 120, .t_m = 0.5 * lane_m, .length_m = 5, .width_m = 1.6, .against = true},
-  };
-  network.roads.push_back(std::move(*high_street));
+  // The bend is banked, the straight crowned.
+  for (Segment& segment : east->segments) {
+    const auto part = [](double s) {
+      const double t = std::clamp((s - 130) / 60, 0.0, 1.0);
+      return t * t * (3 - 2 * t);
+    };
+    const double s = segment.s_start_m, end = s + segment.arc_m;
+    segment.superelevation_rad = Cubic::hermite(0.05 * part(s), 0, 0.05 * part(end), 0, segment.arc_m);
+    const double fall = kCrown * (1 - part(s));
+    segment.crossfall_left = segment.crossfall_right = {fall, (kCrown * (1 - part(end)) - fall) / segment.arc_m};
+  }
+  for (Road* other : {&*west, &*south, &*north}) {
+    for (Segment& segment : other->segments) segment.crossfall_left = segment.crossfall_right = {kCrown, 0};
+  }
+  stop_at(*west, true, 2);
+  stop_at(*east, false, 2);
+  stop_at(*south, true, 1);
+  stop_at(*north, false, 1);
+  for (auto* made : {&west, &east, &south, &north}) network.roads.push_back(std::move(**made));
+  const Status crossing = add_crossing(
+      network, "market", {{"west street", true}, {"high street", false}, {"mill lane", true}, {"hill road", false}},
+      {.corner_radius_m = 7});
+  if (!crossing) return crossing.error();
   return network;
 }
 

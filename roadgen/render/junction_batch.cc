@@ -53,7 +53,7 @@ void JunctionBatch::upload(const Network& network) {
     header.low = glm::dvec4(surface.low_m, 0);
     header.high = glm::dvec4(surface.high_m, 0);
     header.plane = glm::dvec4(surface.plane, surface.slope_spread);
-    header.phase = glm::dvec4(phase(surface.center_m.x), phase(surface.center_m.y), 0, 0);
+    header.phase = glm::dvec4(phase(surface.center_m.x), phase(surface.center_m.y), junction.underlap_m, 0);
     header.range = {cuts.size() / 4, surface.cuts.size(), corners.size() / 5, surface.corners.size()};
     header.ids = {headers.size(), 1 + network.roads.size() + headers.size(), 0, 0};
     headers.push_back(header);

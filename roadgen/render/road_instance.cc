@@ -208,8 +208,9 @@ RoadScene road_scene(const Network& network) {
       const Segment& segment = road.segments[j];
       if (segment.section >= sections[i].size()) continue;  // no cross section, nothing to see
       const PlacedSection& section = sections[i][segment.section];
-      const std::uint32_t flags =
-          road.closed ? 0 : (j == 0 ? kOpenStart : 0u) | (j + 1 == road.segments.size() ? kOpenEnd : 0u);
+      const std::uint32_t flags = road.closed ? 0
+                                              : (j == 0 && !road.joined_start ? kOpenStart : 0u) |
+                                                    (j + 1 == road.segments.size() && !road.joined_end ? kOpenEnd : 0u);
       all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment),
                      !section.raised && planar_deviation_m(segment) <= kPlanarTolerance_m, flags});
     }
