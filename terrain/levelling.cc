@@ -158,6 +158,16 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
       nearest_z = z;
     }
   });
+  index_.visit_junctions(point_m, limit_m, [&](std::uint32_t, const JunctionSurface& surface) {
+    const double edge = std::max(-signed_distance_m(surface, point_m), 0.0);
+    if (edge >= limit_m) return;
+    const double z = height_at(surface, point_m).height_m;
+    if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
+    if (edge < wish.edge_m) {
+      wish.edge_m = edge;
+      nearest_z = z;
+    }
+  });
   wish.lowest_m = lowest < 1e300 ? lowest : nearest_z;
   return wish;
 }

@@ -41,6 +41,19 @@ struct SurfacePoint {
 // the grade is beyond reason, as in measured roads with faults.
 template <class Visit>
 void over_carriageways(const Network& network, double step_m, Visit&& visit) {
+  for (const Junction& junction : network.junctions) {
+    const JunctionSurface surface = junction_surface(junction);
+    const glm::dvec2 center(surface.center_m), low(surface.low_m), high(surface.high_m);
+    const glm::ivec2 count = glm::max(glm::ivec2(glm::ceil((high - low) / step_m)), 1);
+    for (int i = 0; i <= count.x; ++i) {
+      for (int j = 0; j <= count.y; ++j) {
+        const glm::dvec2 p = center + glm::mix(low, high, glm::dvec2(i, j) / glm::dvec2(count));
+        if (signed_distance_m(surface, p) < 0) continue;
+        const JunctionPoint at = height_at(surface, p);
+        visit(SurfacePoint{p, at.height_m, at.gradient});
+      }
+    }
+  }
   for (const Road& road : network.roads) {
     for (const Segment& segment : road.segments) {
       // The outer edge of a bend is longer than the centre line by 1 + curvature * half width.

@@ -50,7 +50,33 @@ RoadPoint locate(const Segment& segment, glm::dvec2 point_m) {
   return r;
 }
 
+void RoadIndex::add_junctions() {
+  for (const Junction& junction : network_->junctions) {
+    JunctionSurface surface = junction_surface(junction);
+    const Box box{surface.center_m + surface.low_m, surface.center_m + surface.high_m};
+    const auto index = static_cast<std::uint32_t>(junctions_.size());
+    junction_cells_[cell(cell_of(box.low_m.x), cell_of(box.low_m.y))].push_back(index);
+    widest_junction_m_ = std::max({widest_junction_m_, box.high_m.x - box.low_m.x, box.high_m.y - box.low_m.y});
+    junctions_.push_back({box, std::move(surface)});
+  }
+}
+
+// A junction's area counts where the point is inside, against roads that pass over or under it by height.
+void RoadIndex::consider_junctions(glm::dvec3 point_m, bool with_height, std::optional<RoadPoint>& best) const {
+  const glm::dvec2 flat(point_m);
+  visit_junctions(flat, 0, [&](std::uint32_t i, const JunctionSurface& surface) {
+    if (signed_distance_m(surface, flat) < 0) return;
+    RoadPoint r;
+    r.junction = static_cast<std::int32_t>(i);
+    r.s_m = point_m.x - surface.center_m.x;
+    r.t_m = point_m.y - surface.center_m.y;
+    if (with_height) r.height_m = point_m.z - height_at(surface, flat).height_m;
+    if (!best || std::abs(r.height_m) < std::hypot(best->outside_m, best->height_m) || best->outside_m > 0) best = r;
+  });
+}
+
 RoadIndex::RoadIndex(const Network& network) : network_(&network) {
+  add_junctions();
   for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
     const auto& segments = network.roads[road].segments;
     for (std::uint32_t i = 0; i < segments.size(); ++i) {
@@ -122,6 +148,12 @@ std::optional<RoadPoint> RoadIndex::to_road(glm::dvec3 point_m, double reach_m) 
 }
 
 std::optional<RoadPoint> RoadIndex::search(glm::dvec3 point_m, bool with_height, double reach_m) const {
+  std::optional<RoadPoint> best = nearest_road(point_m, with_height, reach_m);
+  consider_junctions(point_m, with_height, best);
+  return best;
+}
+
+std::optional<RoadPoint> RoadIndex::nearest_road(glm::dvec3 point_m, bool with_height, double reach_m) const {
   std::optional<RoadPoint> best;
   if (nodes_.empty()) return best;
   const glm::dvec2 flat(point_m);

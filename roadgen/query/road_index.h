@@ -4,8 +4,10 @@
 // (project(), what the pixel shader evaluates), so a query and the picture agree; beside it, the truly nearest point.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -30,6 +32,9 @@ struct RoadPoint {
   double outside_m = 0;   // from the carriageway, horizontally; 0 on it
   double height_m = 0;    // of the point above the surface, raised lanes included; 0 where the query gave no height
   int lane = 0;           // id of the lane there, left positive; 0 outside all lanes
+  // In the area of network.junctions[junction], else -1. There s_m and t_m are metres east and north of the junction's
+  // centre, as in the picture's road channel, and `at` means nothing.
+  std::int32_t junction = -1;
 };
 
 // How the point stands against one segment, however far away. Accuracy: on the carriageway |t - exact| is at most
@@ -58,6 +63,11 @@ class RoadIndex {
   template <class Visit>
   void visit_within(glm::dvec2 point_m, double reach_m, Visit&& visit) const;
 
+  // Calls visit(index of the junction, const JunctionSurface&) for every junction whose bounds are within reach_m of
+  // the point, horizontally. Requires: reach_m finite. Cost: O(1 + (reach / 64 m)^2) and the junctions about.
+  template <class Visit>
+  void visit_junctions(glm::dvec2 point_m, double reach_m, Visit&& visit) const;
+
   const Segment& segment(SegmentRef ref) const { return network_->roads[ref.road].segments[ref.segment]; }
   const Network& network() const { return *network_; }
   std::size_t size() const { return refs_.size(); }
@@ -73,6 +83,7 @@ class RoadIndex {
   };
   static constexpr int kStack = 64;  // the tree is balanced, its depth at most log2(2^32)
 
+  std::optional<RoadPoint> nearest_road(glm::dvec3 point_m, bool with_height, double reach_m) const;
   std::optional<RoadPoint> search(glm::dvec3 point_m, bool with_height, double reach_m) const;
   // Squared horizontal distance of a point from a box; 0 inside.
   static double distance2(const Box& box, glm::dvec2 p) {
@@ -81,11 +92,42 @@ class RoadIndex {
     return dx * dx + dy * dy;
   }
 
+  // Junctions in square cells by the low corner of their bounds.
+  struct JunctionBox {
+    Box box;
+    JunctionSurface surface;
+  };
+  static constexpr double kCell_m = 64;
+  static std::int64_t cell(int x, int y) {
+    return (static_cast<std::int64_t>(x) << 32) ^ static_cast<std::uint32_t>(y);
+  }
+  static int cell_of(double x_m) { return static_cast<int>(std::floor(x_m / kCell_m)); }
+  void add_junctions();
+  void consider_junctions(glm::dvec3 point_m, bool with_height, std::optional<RoadPoint>& best) const;
+
   const Network* network_;
+  std::vector<JunctionBox> junctions_;
+  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> junction_cells_;
+  double widest_junction_m_ = 0;
   std::vector<Node> nodes_;
   std::vector<SegmentRef> refs_;
   std::vector<Box> boxes_;  // of refs_
 };
+
+template <class Visit>
+void RoadIndex::visit_junctions(glm::dvec2 point_m, double reach_m, Visit&& visit) const {
+  if (junctions_.empty()) return;
+  const double back = reach_m + widest_junction_m_;
+  for (int x = cell_of(point_m.x - back); x <= cell_of(point_m.x + reach_m); ++x) {
+    for (int y = cell_of(point_m.y - back); y <= cell_of(point_m.y + reach_m); ++y) {
+      const auto at = junction_cells_.find(cell(x, y));
+      if (at == junction_cells_.end()) continue;
+      for (const std::uint32_t i : at->second) {
+        if (distance2(junctions_[i].box, point_m) <= reach_m * reach_m) visit(i, junctions_[i].surface);
+      }
+    }
+  }
+}
 
 template <class Visit>
 void RoadIndex::visit_within(glm::dvec2 point_m, double reach_m, Visit&& visit) const {
