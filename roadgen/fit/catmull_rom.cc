@@ -253,6 +253,7 @@ Status Alignment::divide_smoothly() {
 
 Status Alignment::divide_for_angles() {
   const std::vector<double> headings = catmull_rom_headings(anchors_, options_);
+  double s_m = 0;
   for (std::size_t i = 0; i < stretch_count(); ++i) {
     const std::size_t end = i + 1 == anchors_.size() ? 0 : i + 1;
     const Division division = divide_into_graphs(
@@ -260,12 +261,10 @@ Status Alignment::divide_for_angles() {
     for (Piece piece : division.pieces) {
       piece.stretch = i;
       set_arc(piece.segment);
+      s_m += piece.segment.arc_m;
       pieces_.push_back(piece);
     }
-    chain_pieces();
-    if (!division.cusps.empty()) {
-      return cusp_error(i, pieces_.empty() ? 0 : pieces_.back().segment.s_start_m + pieces_.back().segment.arc_m);
-    }
+    if (!division.cusps.empty()) return cusp_error(i, s_m);
   }
   return Done{};
 }

@@ -10,8 +10,9 @@
 namespace roadgen {
 namespace {
 
-// Tangents further off the chord than this (cosine) make no segment.
-constexpr double kLeastCosine = 0.25;
+// Cosine of how far a tangent may be off its chord, 60 degrees: halves of such a segment keep to it too, so that a
+// search can begin from them.
+constexpr double kLeastCosine = 0.5;
 constexpr int kMostStepHalvings = 20;
 // A pivot smaller than this part of its row counts as none.
 constexpr double kLeastPivot = 1e-9;

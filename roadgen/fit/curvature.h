@@ -15,7 +15,8 @@ namespace roadgen {
 // spline) where the heading is not fixed; a closed chain goes on from the last point to the first.
 // Newton's method with halved steps on the tridiagonal (closed: cyclic) system, from the headings given.
 // Returns the point whose curvatures differ most, and leaves the headings as they were, where it does not converge in
-// kMostCurvatureSteps: segments that turn by more than about 35 degrees off their chord may have no solution.
+// kMostCurvatureSteps with tangents at most 60 degrees off their chords. From headings up to some 35 degrees off it
+// usually does.
 // Requires: at least two points, no two consecutive equal; fixed and headings_rad as many.
 // Cost: O(points) for each of usually four steps.
 std::optional<std::size_t> equalize_curvature(std::span<const glm::dvec2> points_m, std::span<const char> fixed,

@@ -78,7 +78,8 @@ TEST(Commands, ImportThenInfoThenCheck) {
   const Outcome check = roadgen::test::roadgen({"check", net});
   ASSERT_EQ(check.code, 0) << check.err;
   const json checked = json::parse(check.out);
-  for (const char* key : {"joints", "max_position_gap_m", "max_heading_gap_rad", "max_mapping_bound_m", "problems"}) {
+  for (const char* key :
+       {"joints", "max_position_gap_m", "max_heading_gap_rad", "max_mapping_bound_m", "max_s_bound_m", "problems"}) {
     EXPECT_TRUE(checked.contains(key)) << key;
   }
   EXPECT_EQ(checked["ok"], true);
@@ -119,6 +120,9 @@ TEST(Commands, OptionsAreHonoured) {
   EXPECT_LT(coarse["segments"], fine["segments"]);
   EXPECT_LE(fine["max_error_m"], 0.02);
   EXPECT_LE(report({"--tangents", "catmull-rom"})["roads"][0]["max_error_m"], 0.1);
+  const json smooth = report({"--tangents", "curvature"})["roads"][0];
+  EXPECT_LE(smooth["max_error_m"], 0.1);
+  EXPECT_LT(smooth["max_curvature_jump_per_m"], 1e-9);
 }
 
 TEST(Commands, MetresHaveNoGeoreference) {

@@ -134,6 +134,10 @@ TEST(Check, FindsEveryPlantedFault) {
            set_bound(s);
          }
        }},
+      {"m along",
+       [](Road& r) {
+         for (Segment& s : r.segments) s.arc_error_m = 2 * kMappingTolerance * s.max_half_width_m();
+       }},
       {"arc length", [](Road& r) { r.segments[4].s_start_m += 0.01; }},
   };
   for (const bool closed : {false, true}) {
