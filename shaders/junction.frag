@@ -163,7 +163,7 @@ vec3 asphalt(float s, float t, float wheel, float seed, float width) {
   return ground_asphalt(wheel, broad, grain);
 }
 
-// The junction's own asphalt, and within 4 m of a cut more and more that of the road which ends there.
+// The junction's own asphalt, and within 8 m of a cut more and more that of the road which ends there.
 vec3 albedo_at(Spot spot) {
   float width = max(length(spot.step_x.xy), length(spot.step_y.xy));
   JunctionHeader header = headers[junction];
@@ -177,7 +177,7 @@ vec3 albedo_at(Spot spot) {
     float n = dot(d, left) + c.right;
     float ahead = d.x * left.y - d.y * left.x;
     float beyond = n - clamp(n, c.right, c.left);
-    float part = 1.0 - smoothstep(0.0, 4.0, sqrt(ahead * ahead + beyond * beyond));
+    float part = 1.0 - smoothstep(0.0, 8.0, sqrt(ahead * ahead + beyond * beyond));
     if (!(part > 0.0)) continue;
     vec4 road = cut_rows[4u * (header.range.x + i) + 3u];
     float wheel = exp(-pow(abs(abs(n - 0.5 * (n > 0.0 ? c.left : c.right)) - 0.8), 2.0) * 6.0);

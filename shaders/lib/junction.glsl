@@ -53,7 +53,14 @@ struct JunctionHeight {
 };
 
 FN JunctionHeight junction_height_begin() {
-  return JunctionHeight(float(0.0), float(0.0), float(0.0), float(0.0), float(0.0), float(0.0));
+  JunctionHeight h;
+  h.w = float(0.0);
+  h.wx = float(0.0);
+  h.wy = float(0.0);
+  h.z = float(0.0);
+  h.zx = float(0.0);
+  h.zy = float(0.0);
+  return h;
 }
 
 // Shepard's interpolation with the weight length / d^2 of a piece of that length at the distance d (Shepard 1968):
@@ -65,14 +72,17 @@ FN JunctionHeight junction_height_add(IN(JunctionHeight) h, IN(float) length_m, 
   float w = length_m * q;
   float wx = -w * q * d2x;
   float wy = -w * q * d2y;
-  float sum = h.w + w;
-  float share = 1.0 / sum;
+  JunctionHeight mean;
+  mean.w = h.w + w;
+  mean.wx = h.wx + wx;
+  mean.wy = h.wy + wy;
+  float share = 1.0 / mean.w;
   float part = w * share;
-  float part_x = (wx * h.w - w * h.wx) * share * share;
-  float part_y = (wy * h.w - w * h.wy) * share * share;
   float rise = z - h.z;
-  return JunctionHeight(sum, h.wx + wx, h.wy + wy, h.z + part * rise, h.zx + part_x * rise + part * (zx - h.zx),
-                        h.zy + part_y * rise + part * (zy - h.zy));
+  mean.z = h.z + part * rise;
+  mean.zx = h.zx + (wx * h.w - w * h.wx) * share * share * rise + part * (zx - h.zx);
+  mean.zy = h.zy + (wy * h.w - w * h.wy) * share * share * rise + part * (zy - h.zy);
+  return mean;
 }
 
 // The arm's surface, continued into the junction: a plane by grade and tilt, and its crossfall, a function of n with
@@ -149,7 +159,13 @@ struct JunctionSide {
 };
 
 FN JunctionSide junction_side_begin() {
-  return JunctionSide(float(1e6), float(1.0), float(0.0), float(1e6), false);
+  JunctionSide side;
+  side.corner = float(1e6);
+  side.nx = float(1.0);
+  side.ny = float(0.0);
+  side.cut = float(1e6);
+  side.inside = false;
+  return side;
 }
 
 // Whether the ray from (x, y) eastward crosses the straight from (x0, y0) to (x1, y1), on the left of which the point
