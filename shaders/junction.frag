@@ -24,12 +24,13 @@ JunctionCut cut_at(uint i) {
 }
 
 JunctionCorner corner_at(uint i) {
-  vec4 a = corner_rows[5u * i];
-  vec4 b = corner_rows[5u * i + 1u];
-  vec4 c = corner_rows[5u * i + 2u];
-  vec4 d = corner_rows[5u * i + 3u];
-  vec4 e = corner_rows[5u * i + 4u];
-  return JunctionCorner(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w, d.x, d.y, d.z, d.w, e.x, e.y, e.z);
+  vec4 a = corner_rows[6u * i];
+  vec4 b = corner_rows[6u * i + 1u];
+  vec4 c = corner_rows[6u * i + 2u];
+  vec4 d = corner_rows[6u * i + 3u];
+  vec4 e = corner_rows[6u * i + 4u];
+  return JunctionCorner(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w, d.x, d.y, d.z, d.w, e.x, e.y, e.z,
+                        e.w, corner_rows[6u * i + 5u].x);
 }
 
 JunctionHeight height_at(vec2 p) {
@@ -87,56 +88,71 @@ vec2 above(vec3 along, float k, out JunctionHeight h) {
   return vec2(p.z - h.z, along.z - h.zx * along.x - h.zy * along.y);
 }
 
-// Newton from k inside [a, b], between whose ends the ray crosses the surface; first: the height above it at a.
-bool refine(vec3 along, float a, float b, float k, float first, float tolerance, out Spot spot) {
+// Newton from k inside [a, b], between whose ends the ray crosses the surface; first: the sign of the height above it
+// at a; rate: what that height changes by per metre, at most.
+bool refine(vec3 along, float a, float b, float k, float first, float rate, float tolerance, out Spot spot) {
   JunctionHeight h;
-  vec2 f = vec2(0.0);
   for (int i = 0; i < 20; ++i) {
-    f = above(along, k, h);
-    if (abs(f.x) <= 0.1 * tolerance) break;
+    vec2 f = above(along, k, h);
+    float next = k - f.x / f.y;
+    if (abs(f.x) <= tolerance) {
+      // The last step, by the slope at hand.
+      spot = spot_at(point + clamp(next, k - tolerance / rate, k + tolerance / rate) * along, h);
+      return spot.coverage > 0.0;
+    }
     if (f.x * first > 0.0) {
       a = k;
     } else {
       b = k;
     }
-    float next = k - f.x / f.y;
+    if (b - a < abs(f.x) / rate) return false;
     k = next > a && next < b ? next : 0.5 * (a + b);
   }
-  if (!(abs(f.x) <= tolerance)) return false;
-  spot = spot_at(point + k * along, h);
-  return spot.coverage > 0.0;
+  return false;
 }
 
 // The first place of the area that the ray meets for k in [near, far].
 bool intersect(vec3 along, float near, float far, float tolerance, out Spot spot) {
-  JunctionHeight h;
+  // The ray nears or leaves the surface by closing, give or take spread, per metre.
   vec4 plane = headers[junction].plane;
+  float closing = along.z - dot(plane.xy, along.xy);
+  float spread = 1.2 * plane.w * length(along.xy) + 1e-4;
+  float rate = abs(closing) + spread;
+  // Within the surface's greatest distance from the plane.
+  float k = (plane.z + dot(plane.xy, point.xy) - point.z) / (abs(closing) < 1e-6 ? 1e-6 : closing);
+  float slack = headers[junction].low.w / max(abs(closing), 1e-6);
+  near = max(near, k - slack);
+  far = min(far, k + slack);
+  if (!(near < far)) return false;
+  if (abs(closing) > spread) {
+    // One crossing at most, near that of the plane. Where that is far beside the area, none.
+    vec2 p = point.xy + k * along.xy;
+    JunctionSide side = side_at(p);
+    float margin = (headers[junction].low.x - low.x) + slack * length(along.xy);
+    if (!side.inside && min(side.corner, side.cut) > margin) return false;
+    return refine(along, near, far, clamp(k, near, far), -closing, rate, tolerance, spot);
+  }
+  // One along the surface may cross it several times, outside the area too. Steps that cannot reach it, and none below
+  // 0.7 m: the crown of an arm is some metres wide.
+  JunctionHeight h;
+  float least = max(0.7, (far - near) / 64.0);
   float a = near;
   vec2 fa = above(along, a, h);
-  // A ray steeper than any slope of the surface crosses it at most once: the plane tells about where.
-  float closing = along.z - dot(plane.xy, along.xy);
-  if (abs(closing) > 1.2 * plane.w * length(along.xy) + 1e-4) {
-    float start = (plane.z + dot(plane.xy, point.xy) - point.z) / closing;
-    if (fa.x * closing > 0.0) return false;
-    return refine(along, near, far, clamp(start, near, far), fa.x, tolerance, spot);
-  }
-  // One along the surface may cross it several times, outside the area too. The crown of an arm is some metres wide.
-  int steps = clamp(int((far - near) / 0.7), 4, 64);
-  for (int i = 1; i <= steps; ++i) {
-    float b = mix(near, far, float(i) / float(steps));
+  for (int i = 0; i < 64 && a < far; ++i) {
+    float b = min(a + max(abs(fa.x) / rate, least), far);
     vec2 fb = above(along, b, h);
     if (fa.x * fb.x > 0.0 && fa.x * fa.y < 0.0 && fb.x * fb.y > 0.0) {
       // Nearing the surface at one end and leaving it at the other: perhaps through it in between.
       float turn = a + (b - a) * fa.y / (fa.y - fb.y);
       vec2 f = above(along, turn, h);
       if (f.x * fa.x <= 0.0) {
-        if (refine(along, a, turn, mix(a, turn, fa.x / (fa.x - f.x)), fa.x, tolerance, spot)) return true;
+        if (refine(along, a, turn, mix(a, turn, fa.x / (fa.x - f.x)), fa.x, rate, tolerance, spot)) return true;
         a = turn;
         fa = f;
       }
     }
     if (fa.x * fb.x <= 0.0) {
-      if (refine(along, a, b, mix(a, b, fa.x / (fa.x - fb.x)), fa.x, tolerance, spot)) return true;
+      if (refine(along, a, b, mix(a, b, fa.x / (fa.x - fb.x)), fa.x, rate, tolerance, spot)) return true;
     }
     a = b;
     fa = fb;
@@ -145,7 +161,7 @@ bool intersect(vec3 along, float near, float far, float tolerance, out Spot spot
 }
 
 #ifndef CHANNELS
-// The junction's own asphalt, and within 4 m of a cut more and more that of the road which ends there.
+// The junction's own asphalt, and within 8 m of a cut more and more that of the road which ends there.
 vec3 albedo_at(Spot spot) {
   vec2 width = abs(spot.step_x.xy) + abs(spot.step_y.xy);
   JunctionHeader header = headers[junction];
@@ -159,7 +175,7 @@ vec3 albedo_at(Spot spot) {
     float n = dot(d, left) + c.right;
     float ahead = d.x * left.y - d.y * left.x;
     float beyond = n - clamp(n, c.right, c.left);
-    float part = 1.0 - smoothstep(0.0, 4.0, sqrt(ahead * ahead + beyond * beyond));
+    float part = 1.0 - smoothstep(0.0, 8.0, sqrt(ahead * ahead + beyond * beyond));
     if (!(part > 0.0)) continue;
     vec4 road = cut_rows[4u * (header.range.x + i) + 3u];
     float wheel = exp(-pow(abs(abs(n - 0.5 * (n > 0.0 ? c.left : c.right)) - 0.8), 2.0) * 6.0);

@@ -50,11 +50,11 @@ void JunctionBatch::upload(const Network& network) {
     Header header{};
     header.center_high = glm::vec4(center.high, 0);
     header.center_low = glm::vec4(center.low, 0);
-    header.low = glm::dvec4(surface.low_m, 0);
+    header.low = glm::dvec4(surface.low_m, surface.plane_gap_m);
     header.high = glm::dvec4(surface.high_m, 0);
     header.plane = glm::dvec4(surface.plane, surface.slope_spread);
     header.phase = glm::dvec4(phase(surface.center_m.x), phase(surface.center_m.y), junction.underlap_m, 0);
-    header.range = {cuts.size() / 4, surface.cuts.size(), corners.size() / 5, surface.corners.size()};
+    header.range = {cuts.size() / 4, surface.cuts.size(), corners.size() / 6, surface.corners.size()};
     header.ids = {headers.size(), 1 + network.roads.size() + headers.size(), 0, 0};
     headers.push_back(header);
     for (std::size_t i = 0; i < surface.cuts.size(); ++i) {
@@ -65,11 +65,12 @@ void JunctionBatch::upload(const Network& network) {
       cuts.push_back(road_row(network, junction.arms[i]));
     }
     for (const Lib::JunctionCorner& c : surface.corners) {
-      corners.emplace_back(c.x0, c.y0, c.x1, c.y1);
-      corners.emplace_back(c.a, c.b, c.arc, c.c0);
-      corners.emplace_back(c.c1, c.z0, c.z1, c.z2);
-      corners.emplace_back(c.z3, c.along0, c.across0, c.along1);
-      corners.emplace_back(c.across1, c.fall0, c.fall1, 0);
+      corners.emplace_back(c.x0, c.y0, c.y1, c.chord);
+      corners.emplace_back(c.cx, c.cy, c.a, c.b);
+      corners.emplace_back(c.arc, c.c0, c.c1, c.z0);
+      corners.emplace_back(c.z1, c.z2, c.z3, c.along0);
+      corners.emplace_back(c.across0, c.along1, c.across1, c.fall0);
+      corners.emplace_back(c.fall1, 0, 0, 0);
     }
   }
   vertex_array_ = gl::VertexArray::create();

@@ -10,7 +10,7 @@ class JunctionBatch {
  public:
   // Replaces what is drawn. Instances are numbered from 1 + the number of roads on.
   // Requires: problems() finds nothing in any junction. Cost: junction_surface of each; 128 bytes a junction, 64 an
-  // arm, 80 a piece of a corner on the GPU.
+  // arm, 96 a piece of a corner on the GPU.
   void upload(const Network& network);
   // Draws with the program in use, made of junction.vert and junction.frag. Requires: culled front faces.
   void draw() const;

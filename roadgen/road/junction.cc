@@ -132,7 +132,12 @@ std::optional<Curve> bend_curve(const CornerEnds& ends, double radius_m) {
     curve.nodes.push_back({ends.from.p + (ahead - tangent) * p, ends.from.heading_rad});
   }
   const bool straight_on = behind - tangent > kLeastStraight_m;
-  if (!append_curve(curve, straight_on ? Node{ends.to.p - (behind - tangent) * q, ends.to.heading_rad} : ends.to)) {
+  const Node arrival = straight_on ? Node{ends.to.p - (behind - tangent) * q, ends.to.heading_rad} : ends.to;
+  const auto is_whole = [&](double straight) { return straight > kLeastStraight_m || straight == 0; };
+  if (is_whole(ahead - tangent) && is_whole(behind - tangent)) {
+    append_arc(curve.nodes, arrival.p);
+    curve.nodes.back() = arrival;
+  } else if (!append_curve(curve, arrival)) {
     return std::nullopt;
   }
   if (straight_on) curve.nodes.push_back(ends.to);
@@ -366,9 +371,9 @@ Lib::JunctionCut surface_cut(const JunctionArm& arm, glm::dvec3 center_m) {
           arm.crossfall_right};
 }
 
-// A piece of a corner; t0 and t1: its ends as parts of the corner's length.
+// A piece of a corner of the given length, from start to end.
 Lib::JunctionCorner surface_corner(const Segment& s, const JunctionArm& arm, const JunctionArm& next, double length_m,
-                                   glm::dvec3 center_m) {
+                                   glm::dvec2 start, glm::dvec2 finish, double center_z_m) {
   struct End {
     double along, across, fall;
   };
@@ -379,14 +384,13 @@ Lib::JunctionCorner surface_corner(const Segment& s, const JunctionArm& arm, con
     const glm::dvec2 d = direction(heading);
     const glm::dvec2 gradient = d * s.elevation_m.slope(local) + left_of(d) * profile.left;
     const double fall = arm.crossfall_right + t * t * (3 - 2 * t) * (next.crossfall_left - arm.crossfall_right);
-    return End{glm::dot(gradient, axis), cross(axis, gradient), fall};
+    return End{glm::dot(gradient, axis), cross(axis, gradient), fall * glm::dot(d, axis)};
   };
   const End from = end(0), to = end(1);
-  const glm::dvec2 start = s.start_m - glm::dvec2(center_m), finish = s.end_m - glm::dvec2(center_m);
   const Cubic& z = s.elevation_m;
-  return {start.x,     start.y,  finish.x,          finish.y,  s.slope_start, s.slope_end, s.arc_m,
-          s.arc_c0,    s.arc_c1, z.c0 - center_m.z, z.c1,      z.c2,          z.c3,        from.along,
-          from.across, to.along, to.across,         from.fall, to.fall};
+  return {start.x,     start.y,  finish.y,  s.chord_length_m(), axis.x, axis.y, s.slope_start, s.slope_end,
+          s.arc_m,     s.arc_c0, s.arc_c1,  z.c0 - center_z_m,  z.c1,   z.c2,   z.c3,          from.along,
+          from.across, to.along, to.across, from.fall,          to.fall};
 }
 
 Lib::JunctionHeight local_height(const JunctionSurface& surface, glm::dvec2 p) {
@@ -442,7 +446,12 @@ void measure(const Junction& junction, JunctionSurface& surface) {
     offset += (samples[i].z - glm::dot(gradient, places[i])) / static_cast<double>(samples.size());
   }
   surface.plane = glm::dvec3(gradient, offset);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double gap = samples[i].z - glm::dot(gradient, places[i]) - offset;
+    surface.plane_gap_m = std::max(surface.plane_gap_m, std::abs(gap));
+  }
   const double pad = steepest * 0.5 * glm::length(step) + 1e-3;
+  surface.plane_gap_m += pad;
   surface.low_m = glm::dvec3(low, z_low - pad);
   surface.high_m = glm::dvec3(high, z_high + pad);
 }
@@ -512,22 +521,17 @@ JunctionSurface junction_surface(const Junction& junction) {
   }
   for (const JunctionArm& arm : junction.arms) surface.cuts.push_back(surface_cut(arm, surface.center_m));
   for (std::size_t i = 0; i < n; ++i) {
-    const Segment& last = junction.corners[i].back();
-    for (const Segment& s : junction.corners[i]) {
-      surface.corners.push_back(surface_corner(s, junction.arms[i], junction.arms[(i + 1) % n],
-                                               last.s_start_m + last.arc_m, surface.center_m));
-    }
-  }
-  // Neighbours share their ends to the bit, for the test of what is inside.
-  std::size_t piece = 0;
-  for (std::size_t i = 0; i < n; ++i) {
+    const std::vector<Segment>& corner = junction.corners[i];
     const Lib::JunctionCut &cut = surface.cuts[i], &next = surface.cuts[(i + 1) % n];
-    for (std::size_t k = 0; k < junction.corners[i].size(); ++k, ++piece) {
-      Lib::JunctionCorner& c = surface.corners[piece];
-      const bool is_first = k == 0, is_last = k + 1 == junction.corners[i].size();
-      c.x0 = is_first ? cut.x1 : surface.corners[piece - 1].x1;
-      c.y0 = is_first ? cut.y1 : surface.corners[piece - 1].y1;
-      if (is_last) c.x1 = next.x0, c.y1 = next.y0;
+    const double length_m = corner.back().s_start_m + corner.back().arc_m;
+    // Neighbours share their ends to the bit, for the test of what is inside.
+    glm::dvec2 start(cut.x1, cut.y1);
+    for (const Segment& s : corner) {
+      const bool is_last = &s == &corner.back();
+      const glm::dvec2 end = is_last ? glm::dvec2(next.x0, next.y0) : s.end_m - glm::dvec2(surface.center_m);
+      surface.corners.push_back(
+          surface_corner(s, junction.arms[i], junction.arms[(i + 1) % n], length_m, start, end, surface.center_m.z));
+      start = end;
     }
   }
   measure(junction, surface);

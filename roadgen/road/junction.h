@@ -83,9 +83,10 @@ struct JunctionSurface {
   // steepest slope times half the samples' distance.
   glm::dvec3 low_m{0, 0, 0}, high_m{0, 0, 0};
   // A plane near the surface, z = plane.z + plane.x x + plane.y y from the centre; and how much the surface's gradient
-  // departs from the plane's, at most, over the samples.
+  // departs from the plane's, at most, over the samples; and their heights, padded like the bounds.
   glm::dvec3 plane{0, 0, 0};
   double slope_spread = 0;
+  double plane_gap_m = 0;
 };
 
 // Requires: problems(junction) is empty. Cost: 1,600 evaluations of the height.

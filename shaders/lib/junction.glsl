@@ -21,8 +21,10 @@ struct JunctionCut {
 struct JunctionCorner {
   float x0;       // start
   float y0;
-  float x1;       // end
-  float y1;
+  float y1;       // y of the end
+  float chord;    // length, and unit direction
+  float cx;
+  float cy;
   float a;        // slopes against the chord
   float b;
   float arc;      // arc length, and the inner coefficients of road_arc
@@ -37,7 +39,7 @@ struct JunctionCorner {
   float along1;   // and at the end
   float across1;
   float fall0;    // further rise toward the inside by the arms' crossfall, at the start,
-  float fall1;    // and at the end
+  float fall1;    // and at the end; both per metre across the chord: times cos(atan(slope))
 };
 
 // The weighted mean of the pieces' surfaces so far, with gradients.
@@ -51,7 +53,14 @@ struct JunctionHeight {
 };
 
 FN JunctionHeight junction_height_begin() {
-  return JunctionHeight(float(0.0), float(0.0), float(0.0), float(0.0), float(0.0), float(0.0));
+  JunctionHeight h;
+  h.w = float(0.0);
+  h.wx = float(0.0);
+  h.wy = float(0.0);
+  h.z = float(0.0);
+  h.zx = float(0.0);
+  h.zy = float(0.0);
+  return h;
 }
 
 // Shepard's interpolation with the weight length / d^2 of a piece of that length at the distance d (Shepard 1968):
@@ -63,13 +72,17 @@ FN JunctionHeight junction_height_add(IN(JunctionHeight) h, IN(float) length_m, 
   float w = length_m * q;
   float wx = -w * q * d2x;
   float wy = -w * q * d2y;
-  float sum = h.w + w;
-  float part = w / sum;
-  float part_x = (wx * h.w - w * h.wx) / (sum * sum);
-  float part_y = (wy * h.w - w * h.wy) / (sum * sum);
+  JunctionHeight mean;
+  mean.w = h.w + w;
+  mean.wx = h.wx + wx;
+  mean.wy = h.wy + wy;
+  float share = 1.0 / mean.w;
+  float part = w * share;
   float rise = z - h.z;
-  return JunctionHeight(sum, h.wx + wx, h.wy + wy, h.z + part * rise, h.zx + part_x * rise + part * (zx - h.zx),
-                        h.zy + part_y * rise + part * (zy - h.zy));
+  mean.z = h.z + part * rise;
+  mean.zx = h.zx + (wx * h.w - w * h.wx) * share * share * rise + part * (zx - h.zx);
+  mean.zy = h.zy + (wy * h.w - w * h.wy) * share * share * rise + part * (zy - h.zy);
+  return mean;
 }
 
 // The arm's surface, continued into the junction: a plane by grade and tilt, and its crossfall, a function of n with
@@ -104,44 +117,36 @@ FN JunctionHeight junction_height_add_cut(IN(JunctionHeight) h, IN(float) x, IN(
 // which levels out within some 3.5 m. All is C1 over the whole plane: the distance is taken along y from the curve
 // continued by its tangents, and what depends on u has no slope at its ends.
 FN JunctionHeight junction_height_add_corner(IN(JunctionHeight) h, IN(float) x, IN(float) y, IN(JunctionCorner) c) {
-  float cx = c.x1 - c.x0;
-  float cy = c.y1 - c.y0;
-  float chord = sqrt(cx * cx + cy * cy);
-  cx = cx / chord;
-  cy = cy / chord;
-  float px = ((x - c.x0) * cx + (y - c.y0) * cy) / chord;
-  float py = ((y - c.y0) * cx - (x - c.x0) * cy) / chord;
+  float inverse = 1.0 / c.chord;
+  float px = ((x - c.x0) * c.cx + (y - c.y0) * c.cy) * inverse;
+  float py = ((y - c.y0) * c.cx - (x - c.x0) * c.cy) * inverse;
   float u = clamp(px, float(0.0), float(1.0));
   float over = px - u;
   float du = over == 0.0 ? float(1.0) : float(0.0);
   float f = road_f(u, c.a, c.b);
   float df = road_df(u, c.a, c.b);
   float off = py - f - df * over;
-  float s = chord * road_arc(u, c.a, c.b, c.arc / chord, c.c0, c.c1);
-  float ds = chord * road_darc(u, c.a, c.b, c.arc / chord, c.c0, c.c1) * du;
+  float s = c.chord * road_arc(u, c.a, c.b, c.arc * inverse, c.c0, c.c1);
+  float ds = c.chord * road_darc(u, c.a, c.b, c.arc * inverse, c.c0, c.c1) * du;
   float t = u * u * (3.0 - 2.0 * u);
   float dt = 6.0 * u * (1.0 - u) * du;
   float along = mix(c.along0, c.along1, t);
   float across = mix(c.across0, c.across1, t);
-  float z = road_cubic(s, c.z0, c.z1, c.z2, c.z3) + chord * (along * over + across * (py - f));
+  float z = road_cubic(s, c.z0, c.z1, c.z2, c.z3) + c.chord * (along * over + across * (py - f));
   float z_x = road_dcubic(s, c.z1, c.z2, c.z3) * ds +
-              chord * (along * (1.0 - du) + (c.across1 - c.across0) * dt * (py - f) - across * df * du);
-  float z_y = chord * across;
-  // Crossfall: fall v / (1 + |v| / 3.5 m), where v = off / sqrt(1 + f'^2) at both ends.
-  float scale0 = 1.0 / sqrt(1.0 + c.a * c.a);
-  float scale1 = 1.0 / sqrt(1.0 + c.b * c.b);
-  float scale = chord * mix(scale0, scale1, t);
-  float v = off * scale;
+              c.chord * (along * (1.0 - du) + (c.across1 - c.across0) * dt * (py - f) - across * df * du);
+  float z_y = c.chord * across;
+  float v = c.chord * off;
   float level = 3.5 / (3.5 + abs(v));
   float fall = mix(c.fall0, c.fall1, t);
   z += fall * v * level;
-  z_x += (c.fall1 - c.fall0) * dt * v * level +
-         fall * level * level * (off * chord * (scale1 - scale0) * dt - df * scale);
-  z_y += fall * level * level * scale;
-  float d2_x = 2.0 * chord * (over - off * df);
-  float d2_y = 2.0 * chord * off;
-  return junction_height_add(h, c.arc, chord * chord * (off * off + over * over), d2_x * cx - d2_y * cy,
-                             d2_x * cy + d2_y * cx, z, (z_x * cx - z_y * cy) / chord, (z_x * cy + z_y * cx) / chord);
+  z_x += (c.fall1 - c.fall0) * dt * v * level - fall * level * level * c.chord * df;
+  z_y += fall * level * level * c.chord;
+  float d2_x = 2.0 * c.chord * (over - off * df);
+  float d2_y = 2.0 * c.chord * off;
+  return junction_height_add(h, c.arc, c.chord * c.chord * (off * off + over * over), d2_x * c.cx - d2_y * c.cy,
+                             d2_x * c.cy + d2_y * c.cx, z, (z_x * c.cx - z_y * c.cy) * inverse,
+                             (z_x * c.cy + z_y * c.cx) * inverse);
 }
 
 // Where a point lies against the boundary pieces so far.
@@ -154,7 +159,13 @@ struct JunctionSide {
 };
 
 FN JunctionSide junction_side_begin() {
-  return JunctionSide(float(1e6), float(1.0), float(0.0), float(1e6), false);
+  JunctionSide side;
+  side.corner = float(1e6);
+  side.nx = float(1.0);
+  side.ny = float(0.0);
+  side.cut = float(1e6);
+  side.inside = false;
+  return side;
 }
 
 // Whether the ray from (x, y) eastward crosses the straight from (x0, y0) to (x1, y1), on the left of which the point
@@ -179,14 +190,14 @@ FN JunctionSide junction_side_add_cut(IN(JunctionSide) side, IN(float) x, IN(flo
 // Inside the polygon of all chords, but for the points between a chord and its curve.
 FN JunctionSide junction_side_add_corner(IN(JunctionSide) side, IN(float) x, IN(float) y, IN(JunctionCorner) c) {
   JunctionSide r = side;
-  float cx = c.x1 - c.x0;
-  float cy = c.y1 - c.y0;
-  float square = cx * cx + cy * cy;
-  float px = ((x - c.x0) * cx + (y - c.y0) * cy) / square;
-  float py = ((y - c.y0) * cx - (x - c.x0) * cy) / square;
+  float px = ((x - c.x0) * c.cx + (y - c.y0) * c.cy) / c.chord;
+  float py = ((y - c.y0) * c.cx - (x - c.x0) * c.cy) / c.chord;
   bool on_left = py > 0.0;
   if (junction_crosses(y, c.y0, c.y1, on_left)) r.inside = !r.inside;
   if (px > 0.0 && px < 1.0 && on_left != (py > road_f(px, c.a, c.b))) r.inside = !r.inside;
+  // |f| <= 4/27 (|a| + |b|): is the piece farther than another?
+  float least = max(abs(py) - 0.15 * (abs(c.a) + abs(c.b)), max(-px, px - 1.0));
+  if (least * c.chord > r.corner) return r;
 
   RoadCoord p = road_project(px, py, c.a, c.b);
   float df = road_df(p.u, c.a, c.b);
@@ -194,12 +205,11 @@ FN JunctionSide junction_side_add_corner(IN(JunctionSide) side, IN(float) x, IN(
   // Beyond the piece's ends, and where the mapping is far from the nearest point, the distance to the point at u.
   float along = (px - p.u + (py - road_f(p.u, c.a, c.b)) * df) / steep;
   bool mapped = p.u > 0.0 && p.u < 1.0 && abs(along) < 0.02;
-  float d = sqrt(square) * (mapped ? abs(p.v) : sqrt(p.v * p.v + along * along));
+  float d = c.chord * (mapped ? abs(p.v) : sqrt(p.v * p.v + along * along));
   if (d < r.corner) {
-    float scale = 1.0 / (sqrt(square) * steep);
     r.corner = d;
-    r.nx = -(cx * df + cy) * scale;
-    r.ny = (cx - cy * df) * scale;
+    r.nx = -(c.cx * df + c.cy) / steep;
+    r.ny = (c.cx - c.cy * df) / steep;
   }
   return r;
 }

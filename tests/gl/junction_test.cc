@@ -310,9 +310,10 @@ TEST_F(JunctionRender, CornersCoverTheirPartOfEveryPixel) {
     std::printf("pitch %.0f: %zu edge pixels, coverage off by %.3f on average, biased by %+.3f\n", pitch, edges,
                 sum / static_cast<double>(edges), bias / static_cast<double>(edges));
     EXPECT_GT(edges, 150u);
-    // Sixteen samples tell coverage to 0.03 on average, and the asphalt's grain adds to it. A hard edge is off by 0.25.
-    EXPECT_LE(sum / static_cast<double>(edges), 0.08);
-    EXPECT_LE(std::abs(bias) / static_cast<double>(edges), 0.04);
+    // Sixteen samples tell coverage to 0.03 on average, and the grain of the asphalt adds to it; at 8 degrees a pixel is
+    // 1.5 m deep on the ground, over which the curves bend. A hard edge is off by 0.25.
+    EXPECT_LE(sum / static_cast<double>(edges), 0.12);
+    EXPECT_LE(std::abs(bias) / static_cast<double>(edges), 0.08);
   }
 }
 

@@ -50,9 +50,9 @@ SHADER_CASE(JunctionCutHeight, 13, 6,
             JunctionCut c = JunctionCut(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12]);
             JunctionHeight h = junction_height_add_cut(junction_height_begin(), x[0], x[1], c);
             y[0] = h.z; y[1] = h.zx; y[2] = h.zy; y[3] = 1.0 / h.w; y[4] = h.wx / (h.w * h.w); y[5] = h.wy / (h.w * h.w);)
-SHADER_CASE(JunctionCornerHeight, 21, 6,
+SHADER_CASE(JunctionCornerHeight, 23, 6,
             JunctionCorner c = JunctionCorner(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12],
-                                              x[13], x[14], x[15], x[16], x[17], x[18], x[19], x[20]);
+                                              x[13], x[14], x[15], x[16], x[17], x[18], x[19], x[20], x[21], x[22]);
             JunctionHeight h = junction_height_add_corner(junction_height_begin(), x[0], x[1], c);
             y[0] = h.z; y[1] = h.zx; y[2] = h.zy; y[3] = 1.0 / h.w; y[4] = h.wx / (h.w * h.w); y[5] = h.wy / (h.w * h.w);)
 SHADER_CASE(JunctionMean, 15, 3,
@@ -63,9 +63,9 @@ SHADER_CASE(JunctionCutSide, 13, 2,
             JunctionCut c = JunctionCut(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12]);
             JunctionSide r = junction_side_add_cut(junction_side_begin(), x[0], x[1], c);
             y[0] = r.cut; y[1] = junction_distance(r);)
-SHADER_CASE(JunctionCornerSide, 21, 4,
+SHADER_CASE(JunctionCornerSide, 23, 4,
             JunctionCorner c = JunctionCorner(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12],
-                                              x[13], x[14], x[15], x[16], x[17], x[18], x[19], x[20]);
+                                              x[13], x[14], x[15], x[16], x[17], x[18], x[19], x[20], x[21], x[22]);
             JunctionSide r = junction_side_add_corner(junction_side_begin(), x[0], x[1], c);
             y[0] = r.corner; y[1] = junction_distance(r); y[2] = r.nx; y[3] = r.ny;)
 SHADER_CASE(JunctionOpen, 3, 2,
@@ -136,16 +136,31 @@ void cut_inputs(Random& random, double* x) {
 // A point, and a corner's piece, of an admissible segment of 2 m to 20 m, whose middle lies within five metres of it.
 void corner_inputs(Random& random, double* x) {
   const double length = random.uniform(2, 20), turn = random.uniform(0, 6.28);
-  x[2] = random.uniform(-10, 10), x[3] = random.uniform(-10, 10);
-  x[4] = x[2] + length * std::cos(turn), x[5] = x[3] + length * std::sin(turn);
-  const Segment s = make_segment({x[2], x[3]}, {x[4], x[5]}, turn + random.uniform(-0.26, 0.26),
-                                 turn + random.uniform(-0.26, 0.26), 0.4);
-  x[6] = s.slope_start, x[7] = s.slope_end, x[8] = s.arc_m, x[9] = s.arc_c0, x[10] = s.arc_c1;
-  const Cubic z = Cubic::hermite(0, random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1) * length,
+  const glm::dvec2 axis(std::cos(turn), std::sin(turn)), start(random.uniform(-10, 10), random.uniform(-10, 10));
+  const glm::dvec2 end = start + length * axis, middle = 0.5 * (start + end);
+  const Segment s =
+      make_segment(start, end, turn + random.uniform(-0.26, 0.26), turn + random.uniform(-0.26, 0.26), 0.4);
+  const Cubic z = Cubic::hermite(random.uniform(-1, 1), random.uniform(-0.1, 0.1), random.uniform(-1, 1),
                                  random.uniform(-0.1, 0.1), s.arc_m);
-  x[11] = random.uniform(-1, 1), x[12] = z.c1, x[13] = z.c2, x[14] = z.c3;
-  for (int i = 15; i < 21; ++i) x[i] = random.uniform(-0.08, 0.08);
-  x[0] = 0.5 * (x[2] + x[4]) + random.uniform(-4, 4), x[1] = 0.5 * (x[3] + x[5]) + random.uniform(-4, 4);
+  const double values[] = {middle.x + random.uniform(-4, 4),
+                           middle.y + random.uniform(-4, 4),
+                           start.x,
+                           start.y,
+                           end.y,
+                           length,
+                           axis.x,
+                           axis.y,
+                           s.slope_start,
+                           s.slope_end,
+                           s.arc_m,
+                           s.arc_c0,
+                           s.arc_c1,
+                           z.c0,
+                           z.c1,
+                           z.c2,
+                           z.c3};
+  std::copy(std::begin(values), std::end(values), x);
+  for (int i = 17; i < 23; ++i) x[i] = random.uniform(-0.08, 0.08);
 }
 
 // Limits: about twice what llvmpipe measures.

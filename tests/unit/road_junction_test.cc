@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
+#include "roadgen/road/network.h"
 #include "tests/junction_scenes.h"
 
 namespace roadgen {
@@ -383,6 +384,9 @@ TEST(Junction, BadArmsAreOneClearLine) {
        [](auto& a) {
          a = {arm_from("1", 0, -5), arm_from("2", kPi, -5)};
        }},
+      {"the area's edges cross at road", [](auto& a) { a[0].heading_rad -= 2.2; }},
+      {"the area's edges cross at road", [](auto& a) { std::swap(a[0].position_m, a[1].position_m); }},
+      {"road 1 (end) points away", [](auto& a) { std::swap(a[0].position_m, a[2].position_m); }},
       {"no corner curve fits",
        [](auto& a) {
          a[0] = arm_from("1", 0, 3.6);
@@ -402,7 +406,6 @@ TEST(Junction, BadArmsAreOneClearLine) {
     EXPECT_NE(text.find(fault.words), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos);
     EXPECT_EQ(junction.error().code, ErrorCode::kGeometry);
-    std::printf("%s\n", text.c_str());
   }
   for (const double radius : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
     EXPECT_FALSE(make_junction("17", crossing_arms(), {.corner_radius_m = radius}).ok());
@@ -439,6 +442,21 @@ TEST(Junction, ProblemsFindsEveryPlantedFault) {
     }
     EXPECT_TRUE(named) << fault.word << ": " << found.front();
   }
+}
+
+TEST(Junction, CheckAndBoundsOfTheNetworkCountIt) {
+  Network network;
+  network.junctions.push_back(made(crossing_arms()));
+  EXPECT_TRUE(check(network).ok());
+  const Bounds b = bounds(network);
+  for (const JunctionArm& arm : network.junctions[0].arms) {
+    const glm::dvec2 p = cut_point_m(arm, arm.left_m);
+    EXPECT_TRUE(p.x >= b.low_m.x && p.x <= b.high_m.x && p.y >= b.low_m.y && p.y <= b.high_m.y);
+    EXPECT_TRUE(arm.elevation_m >= b.low_m.z && arm.elevation_m <= b.high_m.z);
+  }
+  network.junctions[0].corners[1][0].start_m.x += 1e-3;
+  ASSERT_FALSE(check(network).ok());
+  EXPECT_EQ(check(network).problems.front().find("junction J: corner from road"), 0u);
 }
 
 }  // namespace
