@@ -113,7 +113,7 @@ double TileIndex::contribution(const TileView& view, glm::dvec3 low_m, glm::dvec
   const double pixel = 2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360) / view.height;
   const double reach = e * glm::length(far) / (depth * depth * pixel);
   const double distance = glm::length(glm::max(glm::max(low_m, -high_m), 0.0));
-  return std::min(1.0, reach) * std::min(1.0, kHazeContrast * std::exp(-distance / view.haze_range_m));
+  return std::min(1.0, reach) * haze_contrast(std::exp(-distance / view.haze_range_m));
 }
 
 }  // namespace roadgen

@@ -1,6 +1,7 @@
 // Which tiles of the roads a camera sees, and in which order they are drawn. No OpenGL.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,10 +19,10 @@ struct TileView {
   double least_contribution = 0;  // TileIndex::contribution below which a tile is dropped; 0: none is
 };
 
-// An upper bound of what a surface changes in the picture, of 1, when it takes the place of another one at least as far
-// away: kHazeContrast times the air's transmittance. Haze tends to a bright sky, where the tone curve is flat. Holds for
-// albedos up to 0.75 and any direction of the sun.
-inline constexpr double kHazeContrast = 0.5;
+// An upper bound of what a surface changes in the picture, of 1, when it takes the place of another one that is at least
+// as far away, where `clear` is the air's transmittance up to it. Haze tends to a bright sky, where the tone curve is
+// flat. Holds for albedos up to 0.9, roads near the eye's horizon and any sun; tested against shaders/lib/sky.glsl.
+inline double haze_contrast(double clear) { return clear * std::max(0.6, clear); }
 
 // A bounding volume hierarchy over the tiles. Immutable after construction.
 class TileIndex {
@@ -40,7 +41,7 @@ class TileIndex {
   // What leaving out all within the box changes in a pixel, as a part of 1, if nothing lies beyond. The roads in the box
   // are within `reach` pixels of the line that is the eye's horizon, since they are at most e above or below the eye and
   // at least d away; they cover at most that part of a pixel's height, in colours that the air has faded:
-  //   contribution = min(1, reach) * min(1, kHazeContrast * exp(-d / haze_range)).
+  //   contribution = min(1, reach) * haze_contrast(exp(-d / haze_range)).
   // On level ground what all dropped tiles together change is at most least_contribution (the nearest dropped tile's band
   // holds all farther ones, which are fainter). In any world it is at most 2 c (1 + ln(1 / c)), c = least_contribution:
   // what is seen at x pixels from the horizon is fainter than c / x. Both in a picture of exact coverage; one of n
