@@ -58,9 +58,9 @@ struct RendererOptions {
   // more, it is drawn in batches. Default: 256 MiB, 2 million segments. At least 32 KiB.
   std::size_t gpu_budget_bytes = std::size_t{256} << 20;
   // Far roads near the eye's horizon are left out of the picture (never of the data channels) where what that changes is
-  // less than this part of full brightness; the bound is derived in roadgen/render/tile_index.h. 0: none is left out.
-  // In [0, 1]. Default: one step of 8 bits
-  double least_contribution = 1.0 / 255;
+  // at most this part of full brightness even if roads covered all the ground there; TileIndex::contribution has the
+  // derivation. 0: none is left out. In [0, 1]. Default: four steps of 8 bits, of which real roads take a fraction
+  double least_contribution = 4.0 / 255;
   // False: what lies outside of the view is drawn too, for comparison.
   bool cull = true;
 };
