@@ -145,6 +145,7 @@ struct PlacedSegment {
   std::uint32_t road;
   const PlacedSection* section;
   glm::ivec3 tile;
+  double z_m;
   bool planar;
   std::uint32_t flags;
 };
@@ -220,16 +221,13 @@ RoadScene road_scene(const Network& network) {
       const PlacedSection& section = sections[i][segment.section];
       const std::uint32_t flags =
           road.closed ? 0 : (j == 0 ? kOpenStart : 0u) | (j + 1 == road.segments.size() ? kOpenEnd : 0u);
-      all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment),
+      all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment), segment.elevation_m.c0,
                      !section.raised && planar_deviation_m(segment) <= kPlanarTolerance_m, flags});
     }
   }
   // By tile; within a tile from low to high, so that a bridge's antialiased edge fades over the road below it.
-  std::sort(all.begin(), all.end(), [](const PlacedSegment& a, const PlacedSegment& b) {
-    const auto key = [](const PlacedSegment& p) {
-      return std::tuple(p.tile.x, p.tile.y, p.tile.z, p.segment->elevation_m.c0, p.road, p.segment->s_start_m);
-    };
-    return key(a) < key(b);
+  std::stable_sort(all.begin(), all.end(), [](const PlacedSegment& a, const PlacedSegment& b) {
+    return std::tie(a.tile.x, a.tile.y, a.tile.z, a.z_m) < std::tie(b.tile.x, b.tile.y, b.tile.z, b.z_m);
   });
   for (std::size_t i = 0; i < all.size();) {
     RoadTile tile;
