@@ -18,6 +18,9 @@ Status check_camera(const Camera& camera) {
     return Error{ErrorCode::kUsage, "the field of view must lie in (0, 170] degrees"};
   }
   if (!(camera.near_m > 0)) return Error{ErrorCode::kUsage, "the near plane must lie in front of the camera"};
+  if (!(camera.far_m > camera.near_m)) {
+    return Error{ErrorCode::kUsage, "the far plane must lie beyond the near plane"};
+  }
   return Done{};
 }
 

@@ -1,6 +1,8 @@
 // A pinhole camera in the world, and the projection that all passes share.
 #pragma once
 
+#include <limits>
+
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -15,7 +17,9 @@ struct Camera {
   double pitch_deg = 0;            // up positive, in [-90, 90]
   double roll_deg = 0;             // right side down positive
   double fov_deg = 50;             // vertical, in (0, 170]
-  double near_m = 0.1;             // > 0; there is no far plane
+  double near_m = 0.1;             // > 0
+  // > near_m. Whole parts of the scene beyond it are left out; nothing is cut off at it.
+  double far_m = std::numeric_limits<double>::infinity();
 };
 
 // Errors: kUsage: a number that is not finite, or out of its range.

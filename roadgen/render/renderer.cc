@@ -6,15 +6,17 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <string>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "roadgen/render/frustum.h"
 #include "roadgen/render/gl.h"
 #include "roadgen/render/junction_batch.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
-#include "roadgen/render/road_instance.h"
+#include "roadgen/render/road_tiles.h"
 
 namespace roadgen {
 namespace {
@@ -33,51 +35,6 @@ glm::vec3 direction(double azimuth_deg, double elevation_deg) {
   const double azimuth = azimuth_deg * std::numbers::pi / 180, elevation = elevation_deg * std::numbers::pi / 180;
   return glm::dvec3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                     std::sin(elevation));
-}
-
-// The segments of one program: an instance buffer and the vertex array that reads it once per instance.
-struct RoadBatch {
-  gl::VertexArray vertex_array;
-  gl::Buffer instances;
-  GLsizei count = 0;
-
-  void upload(std::span<const RoadInstance> data) {
-    vertex_array = gl::VertexArray::create();
-    count = static_cast<GLsizei>(data.size());
-    if (data.empty()) return;
-    instances = gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size_bytes()), data.data());
-    glVertexArrayVertexBuffer(vertex_array.id(), 0, instances.id(), 0, sizeof(RoadInstance));
-    glVertexArrayBindingDivisor(vertex_array.id(), 0, 1);
-    struct Field {
-      GLint components;
-      GLenum type;
-      std::size_t offset;
-    };
-    constexpr Field kFields[] = {
-        {3, GL_FLOAT, offsetof(RoadInstance, start)},     {1, GL_UNSIGNED_INT, offsetof(RoadInstance, tile)},
-        {4, GL_FLOAT, offsetof(RoadInstance, shape)},     {4, GL_FLOAT, offsetof(RoadInstance, arc)},
-        {4, GL_FLOAT, offsetof(RoadInstance, height)},    {4, GL_FLOAT, offsetof(RoadInstance, superelevation)},
-        {4, GL_FLOAT, offsetof(RoadInstance, box)},       {4, GL_UNSIGNED_INT, offsetof(RoadInstance, road)},
-        {1, GL_FLOAT, offsetof(RoadInstance, section_s)}, {2, GL_UNSIGNED_INT, offsetof(RoadInstance, crossfall_left)},
-    };
-    for (GLuint location = 0; location < std::size(kFields); ++location) {
-      const auto [components, type, offset] = kFields[location];
-      glEnableVertexArrayAttrib(vertex_array.id(), location);
-      if (type == GL_FLOAT) {
-        glVertexArrayAttribFormat(vertex_array.id(), location, components, type, GL_FALSE, static_cast<GLuint>(offset));
-      } else {
-        glVertexArrayAttribIFormat(vertex_array.id(), location, components, type, static_cast<GLuint>(offset));
-      }
-      glVertexArrayAttribBinding(vertex_array.id(), location, 0);
-    }
-  }
-};
-
-// A table that the shaders read; never empty, so that it can be bound.
-gl::Buffer table_buffer(const Table& rows) {
-  const glm::vec4 none(0);
-  return rows.empty() ? gl::Buffer::with_data(sizeof none, &none)
-                      : gl::Buffer::with_data(static_cast<GLsizeiptr>(rows.size() * sizeof rows[0]), rows.data());
 }
 
 struct GroundBatch {
@@ -110,23 +67,6 @@ struct GroundBatch {
       glVertexArrayAttribFormat(vertex_array.id(), i, 3, GL_FLOAT, GL_FALSE, 0);
       glVertexArrayAttribBinding(vertex_array.id(), i, i);
     }
-  }
-};
-
-// The four planes of the view's sides, through the eye, pointing inward.
-struct ViewSides {
-  glm::dvec3 normal[4];
-  ViewSides(const Camera& camera, double aspect) {
-    const ViewAxes axes = view_axes(camera);
-    const double y = std::tan(camera.fov_deg * std::numbers::pi / 360), x = y * aspect;
-    normal[0] = glm::normalize(axes.forward * x + axes.right);
-    normal[1] = glm::normalize(axes.forward * x - axes.right);
-    normal[2] = glm::normalize(axes.forward * y + axes.up);
-    normal[3] = glm::normalize(axes.forward * y - axes.up);
-  }
-  bool may_see(glm::dvec3 center, double radius) const {
-    return std::all_of(std::begin(normal), std::end(normal),
-                       [&](const glm::dvec3& n) { return glm::dot(n, center) >= -radius; });
   }
 };
 
@@ -182,15 +122,15 @@ Status check_request(const Camera& camera, int width, int height) {
 }  // namespace
 
 struct Renderer::State {
-  State(Context& c, Programs for_picture, Programs for_data)
-      : context(c), picture(std::move(for_picture)), data(std::move(for_data)) {}
+  State(Context& c, const RendererOptions& o, Programs for_picture, Programs for_data)
+      : context(c), options(o), picture(std::move(for_picture)), data(std::move(for_data)) {}
 
   Context& context;
+  RendererOptions options;
   Programs picture, data;
   gl::Buffer frame_uniforms;
   gl::VertexArray empty;
-  RoadBatch planar, relief;
-  gl::Buffer tiles, sections, paint;
+  RoadTiles roads;
   JunctionBatch junctions;
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
@@ -198,7 +138,7 @@ struct Renderer::State {
   RenderTarget drawn, resolved, channels;
 
   void upload_frame(const Camera& camera, int width, int height);
-  void draw_scene(const Programs& programs, const Camera& camera, int width, int height);
+  void draw_scene(const Programs& programs, const Camera& camera, int width, int height, double least_contribution);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   Status draw_channels(const Camera& camera, int width, int height);
 };
@@ -224,7 +164,8 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
 }
 
-void Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height) {
+void Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height,
+                                 double least_contribution) {
   upload_frame(camera, width, height);
   glViewport(0, 0, width, height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -233,11 +174,11 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   glDepthMask(GL_TRUE);
   glDisable(GL_CULL_FACE);
 
-  const ViewSides sides(camera, static_cast<double>(width) / height);
+  const Frustum frustum(camera, static_cast<double>(width) / height);
   if (!ground.empty()) programs.ground.use();
   for (const GroundBatch& batch : ground) {
     const glm::dvec3 tile = batch.origin_m - camera.position_m;
-    if (!sides.may_see(tile + glm::dvec3(batch.center_m), batch.radius_m)) continue;
+    if (!frustum.may_see(tile + glm::dvec3(batch.center_m), batch.radius_m)) continue;
     glUniform3f(0, static_cast<float>(tile.x), static_cast<float>(tile.y), static_cast<float>(tile.z));
     glBindVertexArray(batch.vertex_array.id());
     glDrawElements(GL_TRIANGLES, batch.indices, GL_UNSIGNED_INT, nullptr);
@@ -258,23 +199,8 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     junctions.draw();
     glDisable(GL_CULL_FACE);
   }
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tiles.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, sections.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, paint.id());
-  if (planar.count > 0) {
-    programs.road_planar.use();
-    glBindVertexArray(planar.vertex_array.id());
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, planar.count);
-  }
-  if (relief.count > 0) {
-    // Back faces only: one ray per pixel, also with the eye inside the box.
-    glEnable(GL_CULL_FACE);
-    glCullFace(GL_FRONT);
-    programs.road_relief.use();
-    glBindVertexArray(relief.vertex_array.id());
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, relief.count);
-    glDisable(GL_CULL_FACE);
-  }
+  roads.draw({camera, width, height, lighting.haze_range_m, least_contribution}, options.cull, programs.road_planar,
+             programs.road_relief);
   glBindVertexArray(0);
   glUseProgram(0);
 }
@@ -290,7 +216,7 @@ Status Renderer::State::draw_picture(const Camera& camera, int width, int height
   // The road's edge fades over the ground drawn before it.
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  draw_scene(picture, camera, width, height);
+  draw_scene(picture, camera, width, height, options.least_contribution);
   glDisable(GL_BLEND);
   glBlitNamedFramebuffer(drawn.framebuffer(), resolved.framebuffer(), 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -308,7 +234,7 @@ Status Renderer::State::draw_channels(const Camera& camera, int width, int heigh
   glClearBufferfv(GL_COLOR, 1, none);
   glClearBufferfv(GL_COLOR, 2, none);
   glClearBufferfv(GL_DEPTH, 0, none);
-  draw_scene(data, camera, width, height);
+  draw_scene(data, camera, width, height, 0);
   return Done{};
 }
 
@@ -320,13 +246,20 @@ Renderer::~Renderer() {
   if (state_) static_cast<void>(state_->context.make_current().ok());
 }
 
-Result<Renderer> Renderer::create(Context& context) {
+Result<Renderer> Renderer::create(Context& context, const RendererOptions& options) {
+  if (options.gpu_budget_bytes < kPageBytes) {
+    return Error{ErrorCode::kUsage,
+                 "the GPU memory for roads must be at least " + std::to_string(kPageBytes) + " bytes"};
+  }
+  if (!(options.least_contribution >= 0 && options.least_contribution <= 1)) {
+    return Error{ErrorCode::kUsage, "the least contribution must lie in [0, 1]"};
+  }
   if (Status s = context.make_current(); !s) return s.error();
   auto picture = compile({});
   if (!picture) return picture.error();
   auto data = compile({{"CHANNELS", ""}});
   if (!data) return data.error();
-  auto state = std::make_unique<State>(context, std::move(*picture), std::move(*data));
+  auto state = std::make_unique<State>(context, options, std::move(*picture), std::move(*data));
   state->frame_uniforms = gl::Buffer::with_data(sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
   state->empty = gl::VertexArray::create();
   return Renderer(std::move(state));
@@ -334,21 +267,12 @@ Result<Renderer> Renderer::create(Context& context) {
 
 Status Renderer::load_roads(const Network& network) {
   if (Status s = state_->context.make_current(); !s) return s;
-  const RoadScene scene = road_scene(network);
-  state_->planar.upload(scene.planar);
-  state_->relief.upload(scene.relief);
-  Table origins;
-  for (const RoadTile& tile : scene.tiles) {
-    const SplitPosition origin = split(tile.origin_m);
-    origins.emplace_back(origin.high, 0);
-    origins.emplace_back(origin.low, 0);
-  }
-  state_->tiles = table_buffer(origins);
-  state_->sections = table_buffer(scene.sections);
-  state_->paint = table_buffer(scene.paint);
+  state_->roads = RoadTiles(road_scene(network), state_->options.gpu_budget_bytes);
   state_->junctions.upload(network);
   return Done{};
 }
+
+RoadStatistics Renderer::road_statistics() const { return state_->roads.statistics(); }
 
 Status Renderer::load_ground(std::span<const TerrainMesh> tiles) {
   if (Status s = state_->context.make_current(); !s) return s;

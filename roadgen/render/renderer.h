@@ -8,6 +8,7 @@
 // Every road pixel is computed by the road function (shaders/lib/road.glsl), not from a tessellation.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -15,6 +16,7 @@
 #include "roadgen/render/camera.h"
 #include "roadgen/render/context.h"
 #include "roadgen/render/image.h"
+#include "roadgen/render/road_instance.h"
 #include "roadgen/road/network.h"
 #include "terrain/terrain.h"
 
@@ -52,6 +54,19 @@ struct Frame {
   ImageF road;
 };
 
+// How a renderer goes about its work; the picture is the same but for what least_contribution states.
+struct RendererOptions {
+  // Of instance memory on the GPU; tables of the whole network come to it, see RoadStatistics. Where one frame needs
+  // more, it is drawn in batches. Default: 256 MiB, 2 million segments. At least 32 KiB.
+  std::size_t gpu_budget_bytes = std::size_t{256} << 20;
+  // Far roads near the eye's horizon are left out of the picture (never of the data channels) where what that changes is
+  // at most this part of full brightness even if roads covered all the ground there; TileIndex::contribution has the
+  // derivation. 0: none is left out. In [0, 1]. Default: four steps of 8 bits, of which real roads take a fraction
+  double least_contribution = 4.0 / 255;
+  // False: what lies outside of the view is drawn too, for comparison.
+  bool cull = true;
+};
+
 struct Lighting {
   double sun_azimuth_deg = 215;   // counter-clockwise from east
   double sun_elevation_deg = 38;  // in (0, 90]
@@ -61,18 +76,20 @@ struct Lighting {
 class Renderer {
  public:
   // Compiles the programs. The context must outlive the renderer.
-  // Errors: kShader with file and line.
-  static Result<Renderer> create(Context& context);
+  // Errors: kShader with file and line; kUsage: an option out of its range.
+  static Result<Renderer> create(Context& context, const RendererOptions& options = {});
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  // Replaces what is drawn. Cost: one upload; kBytesPerSegment on the GPU.
+  // Replaces what is drawn. Cost: O(n log n), n segments; kBytesPerSegment for each, in the CPU's memory and, once seen,
+  // within the budget on the GPU.
   // Errors: kContext where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 128;
+  RoadStatistics road_statistics() const;
 
   // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
   Result<Frame> render(const Camera& camera, const FrameOptions& options);

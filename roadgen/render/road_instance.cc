@@ -134,6 +134,7 @@ struct PlacedSegment {
   std::uint32_t road;
   const PlacedSection* section;
   glm::ivec3 tile;
+  double z_m;
   bool planar;
   std::uint32_t flags;
 };
@@ -211,16 +212,13 @@ RoadScene road_scene(const Network& network) {
       const std::uint32_t flags = road.closed ? 0
                                               : (j == 0 && !road.joined_start ? kOpenStart : 0u) |
                                                     (j + 1 == road.segments.size() && !road.joined_end ? kOpenEnd : 0u);
-      all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment),
+      all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment), segment.elevation_m.c0,
                      !section.raised && planar_deviation_m(segment) <= kPlanarTolerance_m, flags});
     }
   }
   // By tile; within a tile from low to high, so that a bridge's antialiased edge fades over the road below it.
-  std::sort(all.begin(), all.end(), [](const PlacedSegment& a, const PlacedSegment& b) {
-    const auto key = [](const PlacedSegment& p) {
-      return std::tuple(p.tile.x, p.tile.y, p.tile.z, p.segment->elevation_m.c0, p.road, p.segment->s_start_m);
-    };
-    return key(a) < key(b);
+  std::stable_sort(all.begin(), all.end(), [](const PlacedSegment& a, const PlacedSegment& b) {
+    return std::tie(a.tile.x, a.tile.y, a.tile.z, a.z_m) < std::tie(b.tile.x, b.tile.y, b.tile.z, b.z_m);
   });
   for (std::size_t i = 0; i < all.size();) {
     RoadTile tile;
@@ -240,6 +238,9 @@ RoadScene road_scene(const Network& network) {
       box.high_m.z += all[i].section->heights.high;
       tile.bounds.add(box.low_m);
       tile.bounds.add(box.high_m);
+      // Sideways by the margin; ahead as far again as the joint's line then runs, and once more.
+      const double slope = std::max(std::abs(segment.slope_start), std::abs(segment.slope_end));
+      tile.margin_m = std::max(tile.margin_m, kGreatestMargin_m * std::hypot(1, 1 + slope));
     }
     tile.planar_count = static_cast<std::uint32_t>(scene.planar.size()) - tile.planar_first;
     tile.relief_count = static_cast<std::uint32_t>(scene.relief.size()) - tile.relief_first;

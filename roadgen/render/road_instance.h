@@ -1,6 +1,7 @@
 // A network as the GPU sees it: tiles of segments, and the tables that segments refer to.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -48,20 +49,34 @@ using Table = std::vector<glm::vec4>;
 // Segments that lie together; their starts are floats relative to origin_m.
 struct RoadTile {
   glm::dvec3 origin_m{0, 0, 0};
-  Bounds bounds;                                     // of all footprints and lanes' heights
+  Bounds bounds;        // of all footprints and lanes' heights
+  double margin_m = 0;  // that the quads and boxes which road.vert draws may reach beyond the bounds
   std::uint32_t planar_first = 0, planar_count = 0;  // in RoadScene::planar
   std::uint32_t relief_first = 0, relief_count = 0;  // in RoadScene::relief
 };
 inline constexpr double kTileSize_m = 256;
+// road.vert widens quads and boxes by at most this for the antialiased edge.
+inline constexpr double kGreatestMargin_m = 2;
 
 struct RoadScene {
   std::vector<RoadTile> tiles;
-  std::vector<RoadInstance> planar;  // drawn as the paper's single quad
-  std::vector<RoadInstance> relief;  // ray-cast within a box
+  std::vector<RoadInstance> planar;  // drawn as the paper's single quad; by tile, in a tile from low to high
+  std::vector<RoadInstance> relief;  // ray-cast within a box; likewise
   Table sections;                    // layout: shaders/sections.glsl
   Table paint;                       // likewise
 };
 RoadScene road_scene(const Network& network);
+
+// What a renderer holds of the roads, and what the last picture or set of channels took.
+struct RoadStatistics {
+  std::size_t segments = 0, tiles = 0;
+  std::size_t instance_bytes = 0;  // in the CPU's memory
+  std::size_t pool_bytes = 0;      // on the GPU: instances of the tiles seen last
+  std::size_t table_bytes = 0;     // on the GPU: origins of tiles, sections, paint
+  std::size_t drawn_segments = 0, drawn_tiles = 0;
+  std::size_t batches = 0;         // indirect draws
+  std::size_t uploaded_bytes = 0;  // into the pool
+};
 
 // A segment whose surface departs from a plane by at most this, and whose lanes all lie on it, is drawn as a quad.
 inline constexpr double kPlanarTolerance_m = 1e-3;

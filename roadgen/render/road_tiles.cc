@@ -1,0 +1,163 @@
+#include "roadgen/render/road_tiles.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <utility>
+
+namespace roadgen {
+namespace {
+
+std::uint32_t pages(std::size_t segments) {
+  return static_cast<std::uint32_t>((segments + kPageSegments - 1) / kPageSegments);
+}
+
+// A table that the shaders read; never empty, so that it can be bound.
+gl::Buffer table_buffer(const Table& rows) {
+  const glm::vec4 none(0);
+  return rows.empty() ? gl::Buffer::with_data(sizeof none, &none)
+                      : gl::Buffer::with_data(static_cast<GLsizeiptr>(rows.size() * sizeof rows[0]), rows.data());
+}
+
+// Reads RoadInstance from binding 0, once per instance.
+gl::VertexArray instance_array() {
+  struct Field {
+    GLint components;
+    GLenum type;
+    std::size_t offset;
+  };
+  constexpr Field kFields[] = {
+      {3, GL_FLOAT, offsetof(RoadInstance, start)},     {1, GL_UNSIGNED_INT, offsetof(RoadInstance, tile)},
+      {4, GL_FLOAT, offsetof(RoadInstance, shape)},     {4, GL_FLOAT, offsetof(RoadInstance, arc)},
+      {4, GL_FLOAT, offsetof(RoadInstance, height)},    {4, GL_FLOAT, offsetof(RoadInstance, superelevation)},
+      {4, GL_FLOAT, offsetof(RoadInstance, box)},       {4, GL_UNSIGNED_INT, offsetof(RoadInstance, road)},
+      {1, GL_FLOAT, offsetof(RoadInstance, section_s)}, {2, GL_UNSIGNED_INT, offsetof(RoadInstance, crossfall_left)},
+  };
+  gl::VertexArray array = gl::VertexArray::create();
+  glVertexArrayBindingDivisor(array.id(), 0, 1);
+  for (GLuint location = 0; location < std::size(kFields); ++location) {
+    const auto [components, type, offset] = kFields[location];
+    glEnableVertexArrayAttrib(array.id(), location);
+    if (type == GL_FLOAT) {
+      glVertexArrayAttribFormat(array.id(), location, components, type, GL_FALSE, static_cast<GLuint>(offset));
+    } else {
+      glVertexArrayAttribIFormat(array.id(), location, components, type, static_cast<GLuint>(offset));
+    }
+    glVertexArrayAttribBinding(array.id(), location, 0);
+  }
+  return array;
+}
+
+}  // namespace
+
+RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
+    : scene_(std::move(scene)),
+      index_(scene_.tiles),
+      vertex_array_(instance_array()),
+      commands_(gl::Buffer::create()),
+      relief_page_(pages(scene_.planar.size())) {
+  const std::uint32_t page_count = relief_page_ + pages(scene_.relief.size());
+  const std::size_t slot_count = std::min<std::size_t>(page_count, budget_bytes / kPageBytes);
+  assert(page_count == 0 || slot_count > 0);
+  slot_of_page_.resize(page_count);
+  for (std::uint32_t i = 0; i < slot_count; ++i) slots_.push_back({i, kNoPage, 0});
+  Table origins;
+  for (const RoadTile& tile : scene_.tiles) {
+    const SplitPosition origin = split(tile.origin_m);
+    origins.emplace_back(origin.high, 0);
+    origins.emplace_back(origin.low, 0);
+  }
+  tiles_ = table_buffer(origins);
+  sections_ = table_buffer(scene_.sections);
+  paint_ = table_buffer(scene_.paint);
+  if (slot_count > 0) {
+    pool_ = gl::Buffer::with_data(static_cast<GLsizeiptr>(slot_count * kPageBytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    glVertexArrayVertexBuffer(vertex_array_.id(), 0, pool_.id(), 0, sizeof(RoadInstance));
+  }
+  statistics_.segments = scene_.planar.size() + scene_.relief.size();
+  statistics_.tiles = scene_.tiles.size();
+  statistics_.instance_bytes = statistics_.segments * sizeof(RoadInstance);
+  statistics_.pool_bytes = slot_count * kPageBytes;
+  statistics_.table_bytes = (origins.size() + scene_.sections.size() + scene_.paint.size()) * sizeof(glm::vec4);
+  // On the GPU now.
+  scene_.sections = scene_.paint = {};
+}
+
+void RoadTiles::draw(const TileView& view, bool cull, const Program& planar, const Program& relief) {
+  statistics_.drawn_segments = statistics_.batches = statistics_.uploaded_bytes = 0;
+  if (scene_.tiles.empty()) return;
+  if (cull) {
+    index_.select(view, visible_);
+  } else {
+    index_.select_all(view, visible_);
+  }
+  statistics_.drawn_tiles = visible_.size();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tiles_.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, sections_.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, paint_.id());
+  glBindVertexArray(vertex_array_.id());
+  if (!scene_.planar.empty()) {
+    planar.use();
+    for (const std::uint32_t i : visible_) {
+      add(scene_.planar, 0, scene_.tiles[i].planar_first, scene_.tiles[i].planar_count, 4);
+    }
+    flush();
+  }
+  if (!scene_.relief.empty()) {
+    // Back faces only: one ray per pixel, also with the eye inside the box.
+    glEnable(GL_CULL_FACE);
+    glCullFace(GL_FRONT);
+    relief.use();
+    for (const std::uint32_t i : visible_) {
+      add(scene_.relief, relief_page_, scene_.tiles[i].relief_first, scene_.tiles[i].relief_count, 14);
+    }
+    flush();
+    glDisable(GL_CULL_FACE);
+  }
+}
+
+void RoadTiles::add(std::span<const RoadInstance> data, std::uint32_t first_page, std::uint32_t first,
+                    std::uint32_t count, std::uint32_t vertices) {
+  statistics_.drawn_segments += count;
+  while (count > 0) {
+    const std::uint32_t in_data = first / kPageSegments, in_page = first % kPageSegments;
+    const std::uint32_t here = std::min(count, kPageSegments - in_page);
+    const auto page = data.subspan(std::size_t{in_data} * kPageSegments);
+    const std::uint32_t at = place(first_page + in_data, page.first(std::min<std::size_t>(page.size(), kPageSegments)));
+    pending_.push_back({vertices, here, 0, at * kPageSegments + in_page});
+    first += here;
+    count -= here;
+  }
+}
+
+std::uint32_t RoadTiles::place(std::uint32_t page, std::span<const RoadInstance> data) {
+  auto& known = slot_of_page_[page];
+  if (!known) {
+    // The batch's own pages fill the pool: draw them first. What is written after a draw does not change it.
+    if (slots_.front().batch == batch_) flush();
+    Slot& slot = slots_.front();
+    if (slot.page != kNoPage) slot_of_page_[slot.page].reset();
+    slot.page = page;
+    glNamedBufferSubData(pool_.id(), static_cast<GLintptr>(slot.index * kPageBytes),
+                         static_cast<GLsizeiptr>(data.size_bytes()), data.data());
+    statistics_.uploaded_bytes += data.size_bytes();
+    known = slots_.begin();
+  }
+  (*known)->batch = batch_;
+  slots_.splice(slots_.end(), slots_, *known);
+  return (*known)->index;
+}
+
+void RoadTiles::flush() {
+  ++batch_;
+  if (pending_.empty()) return;
+  // A new store each time: the one before may still be read.
+  glNamedBufferData(commands_.id(), static_cast<GLsizeiptr>(pending_.size() * sizeof pending_[0]), pending_.data(),
+                    GL_STREAM_DRAW);
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.id());
+  glMultiDrawArraysIndirect(GL_TRIANGLE_STRIP, nullptr, static_cast<GLsizei>(pending_.size()), 0);
+  pending_.clear();
+  ++statistics_.batches;
+}
+
+}  // namespace roadgen

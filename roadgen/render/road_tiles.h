@@ -1,0 +1,70 @@
+// Internal, not installed: the roads on the GPU. Per frame the tiles that the camera sees are drawn from far to near, by
+// one indirect draw for the planar segments and one for those with relief.
+//
+// Instances lie in pages of a pool of bounded size: a page is uploaded when a tile in it is first seen, and the page
+// seen the longest time ago makes room for it. Where the pages that one frame needs do not fit, the frame is drawn in
+// several batches, in the same order, so the picture is the same.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "roadgen/render/gl.h"
+#include "roadgen/render/program.h"
+#include "roadgen/render/road_instance.h"
+#include "roadgen/render/tile_index.h"
+
+namespace roadgen {
+
+// Segments in a page of the pool: 32 KiB.
+inline constexpr std::uint32_t kPageSegments = 256;
+inline constexpr std::size_t kPageBytes = kPageSegments * sizeof(RoadInstance);
+
+class RoadTiles {
+ public:
+  // Owns nothing and draws nothing.
+  RoadTiles() = default;
+  // Requires: budget_bytes at least kPageBytes.
+  RoadTiles(RoadScene scene, std::size_t budget_bytes);
+
+  // Draws into the current framebuffer, with its blending and depth test. cull: false draws every tile.
+  void draw(const TileView& view, bool cull, const Program& planar, const Program& relief);
+  const RoadStatistics& statistics() const { return statistics_; }
+
+ private:
+  // As glMultiDrawArraysIndirect reads it.
+  struct DrawCommand {
+    std::uint32_t vertices, instances, first_vertex, first_instance;
+  };
+  static constexpr std::uint32_t kNoPage = ~0u;
+  struct Slot {
+    std::uint32_t index;  // of the page's place in the pool
+    std::uint32_t page;
+    std::uint64_t batch;  // the last one that draws from it
+  };
+  // Gathers the draws of data[first], ..., data[first + count - 1]; first_page: of data[0].
+  void add(std::span<const RoadInstance> data, std::uint32_t first_page, std::uint32_t first, std::uint32_t count,
+           std::uint32_t vertices);
+  // The place of a page in the pool. Uploaded there if need be, and drawn what has gathered if there is no room.
+  std::uint32_t place(std::uint32_t page, std::span<const RoadInstance> data);
+  // Draws what has gathered and begins a new batch.
+  void flush();
+
+  RoadScene scene_;
+  TileIndex index_;
+  gl::VertexArray vertex_array_;
+  gl::Buffer pool_, commands_, tiles_, sections_, paint_;
+  std::uint32_t relief_page_ = 0;  // the first page of scene_.relief; those of scene_.planar come before
+  std::list<Slot> slots_;          // least recently used first
+  std::vector<std::optional<std::list<Slot>::iterator>> slot_of_page_;
+  std::uint64_t batch_ = 1;
+  std::vector<DrawCommand> pending_;
+  std::vector<std::uint32_t> visible_;
+  RoadStatistics statistics_;
+};
+
+}  // namespace roadgen
