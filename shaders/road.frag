@@ -119,22 +119,10 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
   vec3 from = ray.from - vec3(0.0, 0.0, lift);
   vec3 toward = ray.toward;
   vec2 k = ray.k;
-  float start = surface_chord_plane(from.x, from.y, from.z, toward.x, toward.y, toward.z, r);
   // A hundredth of a pixel, or a millimetre.
   float tolerance = max(1e-3, 0.01 * right.w * (ray.reach + k.x));
-  RoadHit hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k.x, k.y, r);
-  if (hit.residual > tolerance) {
-    vec2 near = surface_bracket(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, r);
-    hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, near.x, near.x, near.y, r);
-  }
-  // A ray nearly along the surface may meet it twice, once beside the road: look from the far end too.
-  float edge = r.chord * abs(hit.v);
-  bool beside = hit.residual > tolerance || edge > max(section_border(ids.y, int(section_rows[ids.y].x) - 1, height.w),
-                                                       -section_border(ids.y, 0, height.w));
-  if (beside && abs(toward.z - road_cubic(r.arc, 0.0, r.z1, r.z2, r.z3) * toward.x) < 0.03) {
-    RoadHit other = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, k.x, k.y, r);
-    if (other.residual <= tolerance && abs(other.v) < abs(hit.v)) hit = other;
-  }
+  float limit = max(section_border(ids.y, int(section_rows[ids.y].x) - 1, height.w), -section_border(ids.y, 0, height.w));
+  RoadHit hit = surface_find(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit, r);
   vec3 place = point + hit.k * ray.along - eye;
   RoadCoord c;
   c.u = hit.u;
