@@ -99,7 +99,7 @@ Ray eye_ray(RoadSurface r) {
   ray.toward = vec3(ray.along.xy / r.chord, ray.along.z);
   // Between the joints' lines, which run through the anchors across the tangents (beyond them a neighbour takes over;
   // they overlap by a millimetre; open ends have room for their antialiased edge), and within the segment's width and
-  // range of heights.
+  // range about its chord's plane.
   float hair = 1e-3 / r.chord;
   float room = (box.y - box.x) * 0.5;
   float before = (ids.w & kOpenStart) != 0u ? room : hair;
@@ -109,8 +109,11 @@ Ray eye_ray(RoadSurface r) {
   clip_interval(ray.k, 1.0 - ray.from.x - r.b * ray.from.y + behind, -ray.toward.x - r.b * ray.toward.y);
   clip_interval(ray.k, ray.from.y - box.x, ray.toward.y);
   clip_interval(ray.k, box.y - ray.from.y, -ray.toward.y);
-  clip_interval(ray.k, ray.from.z - box.z, ray.toward.z);
-  clip_interval(ray.k, box.w - ray.from.z, -ray.toward.z);
+  float rise = road_cubic(r.arc, 0.0, r.z1, r.z2, r.z3);
+  float above = ray.from.z - rise * ray.from.x;
+  float climb = ray.toward.z - rise * ray.toward.x;
+  clip_interval(ray.k, above - box.z, climb);
+  clip_interval(ray.k, box.w - above, -climb);
   return ray;
 }
 
