@@ -102,7 +102,7 @@ Ray eye_ray(RoadSurface r) {
   ray.toward = vec3(ray.along.xy / r.chord, ray.along.z);
   // Between the joints' lines, which run through the anchors across the tangents (beyond them a neighbour takes over;
   // they overlap by a millimetre; open ends have room for their antialiased edge), and within the segment's width and
-  // range of heights.
+  // range about its chord's plane.
   float hair = 1e-3 / r.chord;
   float room = (box.y - box.x) * 0.5;
   float before = (ids.w & kOpenStart) != 0u ? room : hair;
@@ -112,8 +112,11 @@ Ray eye_ray(RoadSurface r) {
   clip_interval(ray.k, 1.0 - ray.from.x - r.b * ray.from.y + behind, -ray.toward.x - r.b * ray.toward.y);
   clip_interval(ray.k, ray.from.y - box.x, ray.toward.y);
   clip_interval(ray.k, box.y - ray.from.y, -ray.toward.y);
-  clip_interval(ray.k, ray.from.z - box.z, ray.toward.z);
-  clip_interval(ray.k, box.w - ray.from.z, -ray.toward.z);
+  float rise = road_cubic(r.arc, 0.0, r.z1, r.z2, r.z3);
+  float above = ray.from.z - rise * ray.from.x;
+  float climb = ray.toward.z - rise * ray.toward.x;
+  clip_interval(ray.k, above - box.z, climb);
+  clip_interval(ray.k, box.w - above, -climb);
   return ray;
 }
 
@@ -122,22 +125,10 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
   vec3 from = ray.from - vec3(0.0, 0.0, lift);
   vec3 toward = ray.toward;
   vec2 k = ray.k;
-  float start = surface_chord_plane(from.x, from.y, from.z, toward.x, toward.y, toward.z, r);
   // A hundredth of a pixel, or a millimetre.
   float tolerance = max(1e-3, 0.01 * right.w * (ray.reach + k.x));
-  RoadHit hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k.x, k.y, r);
-  if (hit.residual > tolerance) {
-    vec2 near = surface_bracket(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, r);
-    hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, near.x, near.x, near.y, r);
-  }
-  // A ray nearly along the surface may meet it twice, once beside the road: look from the far end too.
-  float edge = r.chord * abs(hit.v);
-  bool beside = hit.residual > tolerance || edge > max(section_border(ids.y, int(section_rows[ids.y].x) - 1, height.w),
-                                                       -section_border(ids.y, 0, height.w));
-  if (beside && abs(toward.z - road_cubic(r.arc, 0.0, r.z1, r.z2, r.z3) * toward.x) < 0.03) {
-    RoadHit other = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, k.x, k.y, r);
-    if (other.residual <= tolerance && abs(other.v) < abs(hit.v)) hit = other;
-  }
+  float limit = max(section_border(ids.y, int(section_rows[ids.y].x) - 1, height.w), -section_border(ids.y, 0, height.w));
+  RoadHit hit = surface_find(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit, r);
   float above = 0.0;
   float shift = 0.0;
   if (hit.residual > tolerance) {

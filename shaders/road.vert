@@ -1,6 +1,7 @@
 // One road segment per instance: its attributes advance once per instance (the paper's stream frequency divider), its
 // corners come from gl_VertexID. Without RELIEF: the fitted quad of the paper's Fig. 5, in a plane. With RELIEF: the
-// same quad extruded to the segment's range of heights, whose back faces the pixel shader starts from.
+// same quad extruded, along the plane of the segment's chord, to the surface's range about that plane; the pixel shader
+// starts from its back faces.
 #include "lib/road.glsl"
 #include "frame.glsl"
 
@@ -70,17 +71,17 @@ void main() {
 #endif
   float y = at_left ? in_box.y + margin : in_box.x - margin;
   float x = at_end ? 1.0 - b * y + sideways : -a * y - sideways;
+  float rise = road_cubic(in_arc.x, 0.0, in_height.x, in_height.y, in_height.z);
 #ifdef RELIEF
   superelevation = in_superelevation;
   vec2 left = unpackHalf2x16(in_crossfall.x);
   vec2 right_fall = unpackHalf2x16(in_crossfall.y);
   crossfall = vec4(left.x, (left.y - left.x) / in_arc.x, right_fall.x, (right_fall.y - right_fall.x) / in_arc.x);
   box = in_box + vec4(-margin, margin, -margin * chord, margin * chord);
-  vec3 local = vec3(x * chord, y * chord, at_top ? box.w : box.z);
+  vec3 local = vec3(x * chord, y * chord, rise * x + (at_top ? box.w : box.z));
   point = local;
   eye = vec3(-dot(start.xy, axis), start.x * axis.y - start.y * axis.x, -start.z);
 #else
-  float rise = road_cubic(in_arc.x, 0.0, in_height.x, in_height.y, in_height.z);
   vec3 local = vec3(x * chord, y * chord, rise * x);
   chord_point = vec2(x, y);
   linear = vec3(road_alpha(y, a, b), road_beta(y, a, b), road_gamma(x, y, a));

@@ -159,9 +159,9 @@ RoadInstance instance(const PlacedSegment& placed, const LaneSection& section, s
   r.height = glm::dvec4(z.c1, z.c2, z.c3, segment.s_start_m - static_cast<double>(r.arc.w));
   r.superelevation = row(e);
   const Quad quad = fitted_quad(segment);
-  const Cubic::Range range = height_range_m(segment);
-  r.box = glm::dvec4(quad.y_low, quad.y_high, range.low + placed.section->heights.low - z.c0,
-                     range.high + placed.section->heights.high - z.c0);
+  const Cubic::Range range = planar_deviation_m(segment);
+  r.box = glm::dvec4(quad.y_low, quad.y_high, range.low + placed.section->heights.low,
+                     range.high + placed.section->heights.high);
   r.road = placed.road;
   r.section = placed.section->offset;
   r.flags = placed.flags;
@@ -212,8 +212,9 @@ RoadScene road_scene(const Network& network) {
       const std::uint32_t flags = road.closed ? 0
                                               : (j == 0 && !road.joined_start ? kOpenStart : 0u) |
                                                     (j + 1 == road.segments.size() && !road.joined_end ? kOpenEnd : 0u);
+      const Cubic::Range deviation = planar_deviation_m(segment);
       all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment), segment.elevation_m.c0,
-                     !section.raised && planar_deviation_m(segment) <= kPlanarTolerance_m, flags});
+                     !section.raised && std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
     }
   }
   // By tile; within a tile from low to high, so that a bridge's antialiased edge fades over the road below it.
@@ -249,7 +250,7 @@ RoadScene road_scene(const Network& network) {
   return scene;
 }
 
-double planar_deviation_m(const Segment& segment) {
+Cubic::Range planar_deviation_m(const Segment& segment) {
   const double length = segment.chord_length_m(), arc = segment.arc_m;
   const Cubic &z = segment.elevation_m, &e = segment.superelevation_rad;
   const double rise = z.value(arc) - z.c0;
@@ -265,13 +266,14 @@ double planar_deviation_m(const Segment& segment) {
   off.c0 = 0;
   off.c1 -= rise / arc;
   const Cubic::Range along = off.range(arc);
-  if (rise == 0 && along.low == 0 && along.high == 0) return across * half_width;
+  if (rise == 0 && along.low == 0 && along.high == 0) return {-across * half_width, across * half_width};
   // |s / arc - u| <= max |ds/du / arc - 1| / 2 <= (q - 1) / 2 with q = max sqrt(1 + f'^2); |f'| <= 4/3 max(|a|, |b|).
   const double slope = 4.0 / 3.0 * steep;
   const double stretch = 0.5 * (std::sqrt(1 + slope * slope) - 1);
   // Across: the point (u, v) lies at x = u - v f' / q.
   const double lean = half_width / length * slope;
-  return std::max(-along.low, along.high) + std::abs(rise) * (stretch + lean) + across * half_width;
+  const double slack = std::abs(rise) * (stretch + lean) + across * half_width;
+  return {along.low - slack, along.high + slack};
 }
 
 }  // namespace roadgen

@@ -27,7 +27,7 @@ struct RoadInstance {
   glm::vec4 arc;             // arc length (m), c0, c1, s at the start (m)
   glm::vec4 height;          // z1, z2, z3, what s at the start is more than its float
   glm::vec4 superelevation;  // cubic in s, rad
-  glm::vec4 box;             // y low, y high (chord frame), z low, z high (m above the start anchor)
+  glm::vec4 box;             // y low, y high (chord frame), z low, z high (m above the plane of the chord)
   std::uint32_t road;        // index of the road
   std::uint32_t section;     // where its section begins in SectionTable::data
   std::uint32_t paint;       // first of its paint * 256 + how many
@@ -81,9 +81,9 @@ struct RoadStatistics {
 // A segment whose surface departs from a plane by at most this, and whose lanes all lie on it, is drawn as a quad.
 inline constexpr double kPlanarTolerance_m = 1e-3;
 
-// Upper bound of the distance in height between the surface over the footprint and the plane through the start anchor
-// that rises along the chord to the end anchor. Proven: by the range of the cubic's deviation along s, the lean of the
-// lines u = const, and the greatest slope across.
-double planar_deviation_m(const Segment& segment);
+// Bounds of the height of the surface over the footprint above the plane through the start anchor that rises along the
+// chord to the end anchor. Proven: by the range of the cubic's deviation along s, the lean of the lines u = const, and
+// the greatest slope across.
+Cubic::Range planar_deviation_m(const Segment& segment);
 
 }  // namespace roadgen

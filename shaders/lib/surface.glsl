@@ -72,31 +72,40 @@ FN float surface_chord_plane(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
   return (rise * x + tilt * y - z) / approach;
 }
 
-// Where the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], meets the surface: Newton from k_start, kept inside
-// the interval. From equation 1, du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f''), and n changes with the part of
+// The ray (x, y, z) + k (dx, dy, dz) at k against the surface: where that is, its height above the surface, and the k of
+// Newton's next step. From equation 1, du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f''), and n changes with the part of
 // (dx, dy) across the tangent.
+FN RoadHit surface_step(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz, IN(float) k,
+                        IN(RoadSurface) r, OUT(float) above, OUT(float) next) {
+  RoadHit hit;
+  hit.k = k;
+  hit.x = x + k * dx;
+  hit.y = y + k * dy;
+  RoadCoord c = road_project(hit.x, hit.y, r.a, r.b);
+  hit.u = c.u;
+  hit.v = c.v;
+  SurfaceSlope surface = surface_at(surface_arc(c.u, r), c.v * r.chord, r);
+  above = z + k * dz - surface.height;
+  hit.residual = abs(above);
+  float df = road_df(c.u, r.a, r.b);
+  float turn = max(1.0 + df * df - (hit.y - road_f(c.u, r.a, r.b)) * road_ddf(c.u, r.a, r.b), float(0.05));
+  float du = (c.u > 0.0 && c.u < 1.0) ? (dx + df * dy) / turn : float(0.0);
+  float ds = r.chord * road_darc(c.u, r.a, r.b, r.arc / r.chord, r.c0, r.c1) * du;
+  float dn = r.chord * (dy - df * dx) / sqrt(1.0 + df * df);
+  float closing = dz - surface.ahead * ds - surface.aside * dn;
+  closing = abs(closing) < 1e-6 ? float(-1e-6) : closing;
+  next = k - above / closing;
+  return hit;
+}
+
+// Where the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], meets the surface: Newton from k_start, kept inside
+// the interval.
 FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
                              IN(float) k_start, IN(float) k_low, IN(float) k_high, IN(RoadSurface) r) {
-  RoadHit hit;
-  hit.k = clamp(k_start, k_low, k_high);
-  for (int i = 0; i < 7; ++i) {
-    hit.x = x + hit.k * dx;
-    hit.y = y + hit.k * dy;
-    RoadCoord c = road_project(hit.x, hit.y, r.a, r.b);
-    hit.u = c.u;
-    hit.v = c.v;
-    SurfaceSlope surface = surface_at(surface_arc(c.u, r), c.v * r.chord, r);
-    float above = z + hit.k * dz - surface.height;
-    hit.residual = abs(above);
-    float df = road_df(c.u, r.a, r.b);
-    float turn = max(1.0 + df * df - (hit.y - road_f(c.u, r.a, r.b)) * road_ddf(c.u, r.a, r.b), float(0.05));
-    float du = (c.u > 0.0 && c.u < 1.0) ? (dx + df * dy) / turn : float(0.0);
-    float ds = r.chord * road_darc(c.u, r.a, r.b, r.arc / r.chord, r.c0, r.c1) * du;
-    float dn = r.chord * (dy - df * dx) / sqrt(1.0 + df * df);
-    float closing = dz - surface.ahead * ds - surface.aside * dn;
-    closing = abs(closing) < 1e-6 ? float(-1e-6) : closing;
-    if (i < 6) hit.k = clamp(hit.k - above / closing, k_low, k_high);
-  }
+  float above;
+  float next;
+  RoadHit hit = surface_step(x, y, z, dx, dy, dz, clamp(k_start, k_low, k_high), r, above, next);
+  for (int i = 0; i < 6; ++i) hit = surface_step(x, y, z, dx, dy, dz, clamp(next, k_low, k_high), r, above, next);
   return hit;
 }
 
@@ -107,19 +116,61 @@ FN float surface_above(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(f
   return z + k * dz - surface_at(surface_arc(c.u, r), c.v * r.chord, r).height;
 }
 
-// Halves [k_low, k_high] twelve times, keeping the end where the ray is on the other side of the surface than at k_low:
-// a short interval (x to y of the result) for rays so nearly along the surface that Newton strays.
-FN vec2 surface_bracket(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
-                        IN(float) k_low, IN(float) k_high, IN(RoadSurface) r) {
-  float first = surface_above(x, y, z, dx, dy, dz, k_low, r);
-  vec2 k = vec2(k_low, k_high);
-  for (int i = 0; i < 12; ++i) {
-    float middle = 0.5 * (k.x + k.y);
-    if (surface_above(x, y, z, dx, dy, dz, middle, r) * first > 0.0) {
-      k.x = middle;
-    } else {
-      k.y = middle;
+// The same, whatever the ray: Newton from the plane through the chord, to a residual of a fiftieth of tolerance; where
+// that strays, since the ray runs nearly along the surface, again from within a short interval that halving finds; and
+// where such a ray misses, or meets the surface farther than limit (m) from the reference line, from the far end, since
+// it may meet it twice. All in one loop, so that no pixel pays for steps that none of its neighbours needs.
+// residual > tolerance: it does not meet it.
+FN RoadHit surface_find(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
+                        IN(float) k_low, IN(float) k_high, IN(float) tolerance, IN(float) limit, IN(RoadSurface) r) {
+  float low = k_low;
+  float high = k_high;
+  float k = surface_chord_plane(x, y, z, dx, dy, dz, r);
+  bool along = abs(dz - road_cubic(r.arc, float(0.0), r.z1, r.z2, r.z3) * dx) < 0.03;
+  RoadHit hit;
+  RoadHit other;  // what the run from the near end has found
+  float first = float(0.0);
+  int task = 0;  // 0 Newton, 1 the side at the near end, 2 halving, 3 Newton again, 4 Newton from the far end
+  int left = 7;  // steps left for it
+  for (int i = 0; i < 40; ++i) {
+    float above;
+    float next;
+    hit = surface_step(x, y, z, dx, dy, dz, clamp(k, low, high), r, above, next);
+    left = left - 1;
+    k = next;
+    if (task == 1) {
+      first = above;
+      task = 2;
+      left = 12;
+      k = 0.5 * (low + high);
+    } else if (task == 2) {
+      if (above * first > 0.0) {
+        low = hit.k;
+      } else {
+        high = hit.k;
+      }
+      k = left > 0 ? 0.5 * (low + high) : low;
+      if (left == 0) {
+        task = 3;
+        left = 7;
+      }
+    } else if (hit.residual <= 0.02 * tolerance || left == 0) {
+      bool missed = hit.residual > tolerance;
+      if (task == 0 && missed) {
+        task = 1;
+        k = low;
+      } else if (task != 4 && along && (missed || r.chord * abs(hit.v) > limit)) {
+        other = hit;
+        task = 4;
+        left = 7;
+        low = k_low;
+        high = k_high;
+        k = high;
+      } else {
+        break;
+      }
     }
   }
-  return k;
+  if (task == 4 && !(hit.residual <= tolerance && abs(hit.v) < abs(other.v))) return other;
+  return hit;
 }
