@@ -40,6 +40,7 @@ struct Spot {
   vec2 left;      // unit, horizontal
   vec2 t_step;    // change of t per pixel right and up; 0 for the data channels, which are taken at pixel centres
   vec2 s_step;
+  vec2 w_step;    // relative change of 1 / depth, likewise
   bool on;        // false: the ray leaves the segment before or after
 };
 
@@ -59,12 +60,13 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, vec3 position) {
   float bend = max(1.0 - c.v * road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5), 0.05);
   spot.normal = normalize(vec3(-slope.ahead / bend * tangent - slope.aside * spot.left, 1.0));
 #ifdef CHANNELS
-  spot.t_step = spot.s_step = vec2(0.0);
+  spot.t_step = spot.s_step = spot.w_step = vec2(0.0);
 #else
   vec3 step_x = frame_footprint(position, spot.normal, right.xyz);
   vec3 step_y = frame_footprint(position, spot.normal, up.xyz);
   spot.t_step = vec2(dot(spot.left, step_x.xy), dot(spot.left, step_y.xy)) / slope.cosine;
   spot.s_step = vec2(dot(tangent, step_x.xy), dot(tangent, step_y.xy)) / bend;
+  spot.w_step = -vec2(dot(forward.xyz, step_x), dot(forward.xyz, step_y)) / max(dot(forward.xyz, position), 1e-3);
 #endif
   return spot;
 }
@@ -242,10 +244,12 @@ float paint_part(uint row, Spot spot) {
 #define SPOTS 1
 #endif
 
-// Part of the pixel to the left of a border, as seen at its level.
+// Part of the pixel to the left of a border, as seen at its level. On a plane not t but t / depth is linear in the
+// picture: its gradient at the pixel is that of t and of 1 / depth, weighted.
 float left_of(Spot spots[SPOTS], int border, int level) {
   float t = SPOT(level).t - section_border(ids.y, border, height.w + SPOT(level).s);
-  return filter_step(t, SPOT(level).t_step.x, SPOT(level).t_step.y);
+  vec2 gradient = SPOT(level).t_step + t * SPOT(level).w_step;
+  return filter_step(t, gradient.x, gradient.y);
 }
 
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel

@@ -289,12 +289,12 @@ class Painter {
     const std::vector<const SegmentTruth*> candidates = candidates_of(x, y);
     std::vector<double> guesses(candidates.size(), 0.5);
     std::optional<glm::dvec3> first;
-    const int grid = options_.grid;
-    for (int i = 0; i < grid * grid; ++i) {
-      // Boustrophedon, so that neighbours in turn are neighbours in the picture.
-      const int row = i / grid, column = row % 2 == 0 ? i % grid : grid - 1 - i % grid;
-      const glm::dvec3 ray = pixel_ray(camera_, options_.width, options_.height, x - 0.5 + (column + 0.5) / grid,
-                                       y - 0.5 + (row + 0.5) / grid);
+    const int samples = options_.grid * options_.grid;
+    for (int i = 0; i < samples; ++i) {
+      // A golden lattice: no two samples share a row or column, so edges along the picture's axes come out as exact as
+      // others. A square grid would have them in steps of 1 / grid.
+      const double across = std::numbers::phi * i - std::floor(std::numbers::phi * i), down = (i + 0.5) / samples;
+      const glm::dvec3 ray = pixel_ray(camera_, options_.width, options_.height, x - 0.5 + across, y - 0.5 + down);
       std::optional<Hit> hit;
       for (std::size_t j = 0; j < candidates.size(); ++j) {
         Walk walk(*candidates[j], camera_.position_m, ray, guesses[j]);
@@ -313,7 +313,7 @@ class Painter {
       if (!first) first = flat;
       pixel.mixed = pixel.mixed || flat != *first;
     }
-    const double part = 1.0 / (grid * grid);
+    const double part = 1.0 / samples;
     pixel.color *= part, pixel.flat *= part, pixel.background *= part;
     return pixel;
   }

@@ -36,7 +36,7 @@ struct ReferencePixel {
 
 struct ReferenceOptions {
   int width = 320, height = 240;
-  int grid = 8;  // rays per pixel and direction
+  int grid = 8;  // its square is the number of rays per pixel
   Lighting lighting = {};
   std::function<bool(int x, int y)> wanted = [](int, int) { return true; };  // which pixels; must be thread-safe
 };
