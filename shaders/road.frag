@@ -55,6 +55,12 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, vec3 position) {
   SurfaceSlope slope = surface_at(spot.s, n, r);
   spot.t = n / slope.cosine;
   float df = road_df(c.u, r.a, r.b);
+#ifdef RELIEF
+  // Raised strips are seen beyond the joints too: along the tangent there.
+  if (c.u == 0.0 || c.u == 1.0) {
+    spot.s += r.chord * (p.x - c.u + p.y * df) / sqrt(1.0 + df * df);
+  }
+#endif
   vec2 tangent = normalize(axis + vec2(-axis.y, axis.x) * df);
   spot.left = vec2(-tangent.y, tangent.x);
   float bend = max(1.0 - c.v * road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5), 0.05);
@@ -92,6 +98,22 @@ struct Ray {
   float reach; // of `point` from the eye
 };
 
+// Greatest height of the levels, either way.
+float highest() {
+  vec4 levels = abs(section_rows[ids.y + 1u]);
+  return max(max(levels.x, levels.y), max(levels.z, levels.w));
+}
+
+// Of the neighbours at a joint the one takes a pixel that holds the place between the joints' lines; they overlap by a
+// hair.
+const float kHair = 1e-3;
+
+bool between_joints(RoadSurface r, vec2 p) {
+  float hair = kHair / r.chord;
+  return ((ids.w & kOpenStart) != 0u || p.x + r.a * p.y >= -hair) &&
+         ((ids.w & kOpenEnd) != 0u || 1.0 - p.x - r.b * p.y >= -hair);
+}
+
 Ray eye_ray(RoadSurface r) {
   Ray ray;
   ray.along = point - eye;
@@ -99,13 +121,13 @@ Ray eye_ray(RoadSurface r) {
   ray.along /= ray.reach;
   ray.from = vec3(point.xy / r.chord, point.z);
   ray.toward = vec3(ray.along.xy / r.chord, ray.along.z);
-  // Between the joints' lines, which run through the anchors across the tangents (beyond them a neighbour takes over;
-  // they overlap by a millimetre; open ends have room for their antialiased edge), and within the segment's width and
-  // range of heights.
-  float hair = 1e-3 / r.chord;
+  // Between the joints' lines, which run through the anchors across the tangents (open ends have room for their
+  // antialiased edge; raised strips for how far they are seen before or behind the road surface), and within the
+  // segment's width and range of heights.
   float room = (box.y - box.x) * 0.5;
-  float before = (ids.w & kOpenStart) != 0u ? room : hair;
-  float behind = (ids.w & kOpenEnd) != 0u ? room : hair;
+  float lean = highest() * length(ray.along.xy) / max(abs(ray.along.z), 0.01) / r.chord + kHair / r.chord;
+  float before = (ids.w & kOpenStart) != 0u ? room : lean;
+  float behind = (ids.w & kOpenEnd) != 0u ? room : lean;
   ray.k = vec2(-ray.reach, 1e6);
   clip_interval(ray.k, ray.from.x + r.a * ray.from.y + before, ray.toward.x + r.a * ray.toward.y);
   clip_interval(ray.k, 1.0 - ray.from.x - r.b * ray.from.y + behind, -ray.toward.x - r.b * ray.toward.y);
@@ -122,8 +144,8 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
   vec3 toward = ray.toward;
   vec2 k = ray.k;
   float start = surface_chord_plane(from.x, from.y, from.z, toward.x, toward.y, toward.z, r);
-  // A hundredth of a pixel, or a millimetre.
-  float tolerance = max(1e-3, 0.01 * right.w * (ray.reach + k.x));
+  // A thousandth of a pixel, or half a millimetre.
+  float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
   RoadHit hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k.x, k.y, r);
   if (hit.residual > tolerance) {
     vec2 near = surface_bracket(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, r);
@@ -143,7 +165,9 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
   c.v = hit.v;
   Spot spot = spot_at(r, vec2(hit.x, hit.y), c,
                       vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z));
-  spot.on = hit.residual <= tolerance;
+  // Rays that touch a crest come no nearer; those that leave over a joint may meet the neighbour.
+  bool inside = hit.k > k.x && hit.k < k.y;
+  spot.on = hit.residual <= (inside ? 10.0 : 1.0) * tolerance;
   return spot;
 }
 #endif
@@ -359,6 +383,11 @@ void main() {
   int levels = int(section_rows[ids.y].y);
   Spot spots[SPOTS];
   for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_rows[ids.y + 1u][i]);
+  // All levels are drawn by the segment that holds the road surface's place.
+  if (spots[0].on && !between_joints(r, spots[0].p)) discard;
+  if (!spots[0].on) {
+    for (int i = 1; i < levels; ++i) spots[i].on = spots[i].on && between_joints(r, spots[i].p);
+  }
 #else
   RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
                               0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);

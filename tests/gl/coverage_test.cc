@@ -310,8 +310,8 @@ TEST_P(CoverageTest, EveryPixelIsTheMeanOverItsArea) {
   const Scene s = scene(GetParam());
   ASSERT_TRUE(full_->load_roads(s.network).ok() && flat_->load_roads(s.network).ok());
   test::ReferenceOptions options{.width = kWidth, .height = kHeight};
-  // A seventh of the pixels, in no line with the picture's rows and columns.
-  if (!pictures_folder()) options.wanted = [](int x, int y) { return (x + 3 * y) % 7 == 0; };
+  // A thirteenth of the pixels, in no line with the picture's rows and columns.
+  if (!pictures_folder()) options.wanted = [](int x, int y) { return (x + 5 * y) % 13 == 0; };
   std::array<Figures, 2> overall;
   for (const View& view : s.views) {
     const auto reference = test::reference_picture(s.network, view.camera, options);
@@ -328,7 +328,7 @@ TEST_P(CoverageTest, EveryPixelIsTheMeanOverItsArea) {
   overall[0].print(s.name, 1);
   overall[1].print(s.name, 4);
   for (const Figures& figures : overall) {
-    EXPECT_GT(figures.mixed, 500u);
+    EXPECT_GT(figures.mixed, 300u);
     EXPECT_LE(figures.coverage_mean(), 0.035);
     EXPECT_GE(figures.right(), 0.80);
   }

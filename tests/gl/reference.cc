@@ -284,12 +284,20 @@ class Painter {
   }
 
   ReferencePixel pixel(int x, int y) {
+    const std::vector<const SegmentTruth*> candidates = candidates_of(x, y);
+    const ReferencePixel coarse = pixel(x, y, candidates, options_.grid);
+    return coarse.mixed ? pixel(x, y, candidates, options_.edge_grid) : coarse;
+  }
+
+ private:
+  static constexpr double kFar_m = 1e5;
+
+  ReferencePixel pixel(int x, int y, const std::vector<const SegmentTruth*>& candidates, int grid) const {
     ReferencePixel pixel;
     pixel.traced = true;
-    const std::vector<const SegmentTruth*> candidates = candidates_of(x, y);
     std::vector<double> guesses(candidates.size(), 0.5);
     std::optional<glm::dvec3> first;
-    const int samples = options_.grid * options_.grid;
+    const int samples = grid * grid;
     for (int i = 0; i < samples; ++i) {
       // A golden lattice: no two samples share a row or column, so edges along the picture's axes come out as exact as
       // others. A square grid would have them in steps of 1 / grid.
@@ -301,14 +309,8 @@ class Painter {
         if (auto found = walk.first(camera_.near_m, hit ? hit->k : kFar_m)) hit = found;
       }
       glm::dvec3 flat = kFlatBackground;
-      glm::dvec3 color;
-      if (hit) {
-        color = shade(*hit, ray, flat);
-      } else {
-        color = sky(ray);
-        pixel.background += 1;
-      }
-      pixel.color += color;
+      pixel.color += hit ? shade(*hit, ray, flat) : sky(ray);
+      pixel.background += hit ? 0 : 1;
       pixel.flat += flat;
       if (!first) first = flat;
       pixel.mixed = pixel.mixed || flat != *first;
@@ -317,9 +319,6 @@ class Painter {
     pixel.color *= part, pixel.flat *= part, pixel.background *= part;
     return pixel;
   }
-
- private:
-  static constexpr double kFar_m = 1e5;
 
   // The segments whose box the pixel's rays may meet.
   std::vector<const SegmentTruth*> candidates_of(int x, int y) const {
