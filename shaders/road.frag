@@ -215,8 +215,9 @@ vec3 strip_color(Strip strip, Spot spot, float middle) {
 #else
   float wheel = strip.driving ? exp(-pow(abs(abs(spot.t - middle) - 0.8), 2.0) * 6.0) : 0.0;
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
-  vec3 albedo = material_albedo(strip.material, s, spot.t, wheel, float(ids.x), abs(spot.s_step.x) + abs(spot.s_step.y),
-                                abs(spot.t_step.x) + abs(spot.t_step.y));
+  // Boxes as wide as the pixel's spread, as its variance has it.
+  vec3 albedo =
+      material_albedo(strip.material, s, spot.t, wheel, float(ids.x), length(spot.s_step), length(spot.t_step));
   return frame_shade(albedo, frame_light(spot.normal, spot.position));
 #endif
 }
