@@ -42,6 +42,7 @@ struct Spot {
   vec2 left;      // unit, horizontal
   vec2 t_step;    // change of t per pixel right and up; 0 for the data channels, which are taken at pixel centres
   vec2 s_step;
+  vec2 w_step;    // relative change of 1 / depth, likewise
   bool on;        // false: the ray leaves the segment before or after
 };
 
@@ -62,12 +63,13 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, vec3 position) {
   float bend = max(1.0 - c.v * road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5), 0.05);
   spot.normal = normalize(vec3(-slope.ahead / bend * tangent - slope.aside * spot.left, 1.0));
 #ifdef CHANNELS
-  spot.t_step = spot.s_step = vec2(0.0);
+  spot.t_step = spot.s_step = spot.w_step = vec2(0.0);
 #else
   vec3 step_x = frame_footprint(position, spot.normal, right.xyz);
   vec3 step_y = frame_footprint(position, spot.normal, up.xyz);
   spot.t_step = vec2(dot(spot.left, step_x.xy), dot(spot.left, step_y.xy)) / slope.cosine;
   spot.s_step = vec2(dot(tangent, step_x.xy), dot(tangent, step_y.xy)) / bend;
+  spot.w_step = -vec2(dot(forward.xyz, step_x), dot(forward.xyz, step_y)) / max(dot(forward.xyz, position), 1e-3);
 #endif
   return spot;
 }
@@ -125,13 +127,15 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
   vec3 from = ray.from - vec3(0.0, 0.0, lift);
   vec3 toward = ray.toward;
   vec2 k = ray.k;
-  // A hundredth of a pixel, or a millimetre.
-  float tolerance = max(1e-3, 0.01 * right.w * (ray.reach + k.x));
+  // A thousandth of a pixel, or half a millimetre.
+  float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
   float limit = max(section_border(ids.y, int(section_rows[ids.y].x) - 1, height.w), -section_border(ids.y, 0, height.w));
   RoadHit hit = surface_find(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit, r);
+  // Rays that touch a crest come no nearer; those that leave over a joint may meet the neighbour.
+  bool on = hit.residual <= (hit.k > k.x && hit.k < k.y ? 10.0 : 1.0) * tolerance;
   float above = 0.0;
   float shift = 0.0;
-  if (hit.residual > tolerance) {
+  if (!on) {
     // It passes this level before the segment or after it: held at that end, and moved on across by what it would still
     // go there, so that the pixels at a joint agree on both sides.
     float first = surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, r);
@@ -154,7 +158,7 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
   c.u = hit.u;
   c.v = hit.v;
   Spot spot = spot_at(r, vec2(hit.x, hit.y), c, vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z));
-  spot.on = hit.residual <= tolerance;
+  spot.on = on;
   spot.h = lift + above;
   float pixel_t = abs(spot.t_step.x) + abs(spot.t_step.y);
   spot.missed = clamp(-shift, -pixel_t, pixel_t);
@@ -211,8 +215,9 @@ vec3 strip_color(Strip strip, Spot spot, float middle) {
 #else
   float wheel = strip.driving ? exp(-pow(abs(abs(spot.t - middle) - 0.8), 2.0) * 6.0) : 0.0;
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
-  vec3 albedo = material_albedo(strip.material, s, spot.t, wheel, float(ids.x), abs(spot.s_step.x) + abs(spot.s_step.y),
-                                abs(spot.t_step.x) + abs(spot.t_step.y));
+  // Boxes as wide as the pixel's spread, as its variance has it.
+  vec3 albedo =
+      material_albedo(strip.material, s, spot.t, wheel, float(ids.x), length(spot.s_step), length(spot.t_step));
   return frame_shade(albedo, frame_light(spot.normal, spot.position));
 #endif
 }

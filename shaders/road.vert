@@ -37,6 +37,36 @@ out vec2 chord_point;      // x, y in the chord frame
 out vec3 linear;           // alpha, beta, gamma: linear in x and y, so the rasterizer interpolates them
 #endif
 
+// What the footprint is drawn larger by at a corner, in the plane of the chord; in units of the chord's length.
+struct Room {
+  float pixel;   // its size there, m
+  float beside;  // for the antialiased edge: two pixels, as seen at their slant
+  // Neighbours overlap by a hair, so rounding leaves no crack; for the picture by most of a pixel: whoever holds its
+  // centre covers all of its samples. Open ends have an antialiased edge.
+  float beyond;
+};
+
+Room room_at(vec3 start, float rise, bool at_end, bool at_left) {
+  float chord = length(in_shape.xy);
+  vec2 ahead = in_shape.xy / chord;
+  vec2 aside = vec2(-ahead.y, ahead.x);
+  float y = at_left ? in_box.y : in_box.x;
+  float x = at_end ? 1.0 - in_shape.w * y : -in_shape.z * y;
+  vec3 corner = start + vec3(chord * (ahead * x + aside * y), rise * x);
+  float away = length(corner);
+  vec2 seen = vec2(dot(corner.xy, ahead), dot(corner.xy, aside)) / away;
+  vec2 slant = max(sqrt(max(1.0 - seen * seen, 0.0)), 0.003);
+  Room room;
+  room.pixel = right.w * away;
+  room.beside = clamp(2.0 * room.pixel / slant.y, 0.02, 200.0) / chord;
+  bool is_open = (in_ids.w & (at_end ? 2u : 1u)) != 0u;
+  room.beyond = clamp((is_open ? 2.0 : 0.8) * room.pixel / slant.x, 0.01, 200.0) / chord;
+  // The lines through the anchors must not cross within it.
+  float turn = (in_shape.w - in_shape.z) * (at_left ? 1.0 : -1.0);
+  if (turn > 0.0) room.beside = min(room.beside, max(0.8 / turn - abs(y), 0.02 / chord));
+  return room;
+}
+
 void main() {
   precise vec3 start = (tiles[2u * in_tile].xyz - eye_high.xyz) + (tiles[2u * in_tile + 1u].xyz - eye_low.xyz) + in_start;
   float chord = length(in_shape.xy);
@@ -48,36 +78,37 @@ void main() {
   height = vec4(in_height.xyz, in_section_s);
   ids = in_ids;
 
-  // Room for the antialiased edge: two pixels at the segment's distance.
-  float middle_m = length(start + 0.5 * vec3(in_shape.xy, 0.0));
-  float margin = clamp(2.0 * right.w * middle_m, 0.02, 2.0) / chord;
+  float rise = road_cubic(in_arc.x, 0.0, in_height.x, in_height.y, in_height.z);
 #ifdef RELIEF
   // A closed box from one strip of 14 vertices.
   uint bit = 1u << uint(gl_VertexID);
   bool at_end = (0x287au & bit) != 0u;
   bool at_left = (0x02afu & bit) != 0u;
   bool at_top = (0x31e3u & bit) != 0u;
-  float sideways = margin;
 #else
   bool at_end = gl_VertexID >= 2;
   bool at_left = (gl_VertexID & 1) != 0;
-  // Neighbours overlap by a hair, so rounding leaves no crack; for the picture by most of a pixel: whoever holds its
-  // centre covers all of its samples.
-#ifdef CHANNELS
-  float sideways = 1e-5;
-#else
-  float sideways = 0.4 * margin;
 #endif
+  Room room = room_at(start, rise, at_end, at_left);
+#ifdef RELIEF
+  // The whole box has the widest.
+  for (int i = 0; i < 4; ++i) {
+    Room other = room_at(start, rise, i >= 2, (i & 1) != 0);
+    room.pixel = max(room.pixel, other.pixel);
+    room.beside = max(room.beside, other.beside);
+    room.beyond = max(room.beyond, other.beyond);
+  }
+#elif defined(CHANNELS)
+  room.beyond = 1e-5;
 #endif
-  float y = at_left ? in_box.y + margin : in_box.x - margin;
-  float x = at_end ? 1.0 - b * y + sideways : -a * y - sideways;
-  float rise = road_cubic(in_arc.x, 0.0, in_height.x, in_height.y, in_height.z);
+  float y = at_left ? in_box.y + room.beside : in_box.x - room.beside;
+  float x = at_end ? 1.0 - b * y + room.beyond : -a * y - room.beyond;
 #ifdef RELIEF
   superelevation = in_superelevation;
   vec2 left = unpackHalf2x16(in_crossfall.x);
   vec2 right_fall = unpackHalf2x16(in_crossfall.y);
   crossfall = vec4(left.x, (left.y - left.x) / in_arc.x, right_fall.x, (right_fall.y - right_fall.x) / in_arc.x);
-  box = in_box + vec4(-margin, margin, -margin * chord, margin * chord);
+  box = in_box + vec4(-room.beside, room.beside, -2.0 * room.pixel, 2.0 * room.pixel);
   vec3 local = vec3(x * chord, y * chord, rise * x + (at_top ? box.w : box.z));
   point = local;
   eye = vec3(-dot(start.xy, axis), start.x * axis.y - start.y * axis.x, -start.z);

@@ -5,10 +5,8 @@
 // NOISE_PERIOD; wheel: 0 to 1 in the wheel tracks; seed: shifts the broad stains from road to road.
 FN vec3 material_albedo(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(float) seed, IN(float) width_s,
                         IN(float) width_t) {
-  float fine = max(width_s, width_t);
-  float middle = sqrt(width_s * width_t);
-  float broad = noise_fractal(s + 17.0 * seed, t * 4.0, float(32.0), 3, float(0.6), fine);
-  float grain = noise_fractal(s, t, float(0.25), 5, float(1.3), middle) * 0.22;
+  float broad = noise_fractal_box(s + 17.0 * seed, t * 4.0, float(32.0), 3, float(0.6), width_s, width_t * 4.0);
+  float grain = noise_fractal_box(s, t, float(0.25), 5, float(1.3), width_s, width_t) * 0.22;
   if (m == 0) return ground_asphalt(wheel, broad, grain);
   if (m == 1) {
     // Slabs of 5 m with dark joints.
@@ -21,7 +19,7 @@ FN vec3 material_albedo(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN
     return vec3(0.290, 0.270, 0.240) * ((1.0 + 0.10 * broad + 0.14 * grain) * (1.0 - 0.6 * gap));
   }
   if (m == 3) {
-    float tuft = noise_fractal(s, t, float(2.0), 6, float(0.8), middle) * 0.4;
+    float tuft = noise_fractal_box(s, t, float(2.0), 6, float(0.8), width_s, width_t) * 0.4;
     return mix(vec3(0.064, 0.090, 0.030), vec3(0.142, 0.148, 0.064),
                clamp(0.45 + 0.35 * broad + 0.35 * tuft, float(0.0), float(1.0))) * (1.0 + 0.4 * grain);
   }

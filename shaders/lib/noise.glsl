@@ -2,6 +2,7 @@
 // period in double precision before they reach the GPU, and a world far from its origin looks the same.
 
 #define NOISE_PERIOD 4096.0
+#define NOISE_CELLS 8.0
 
 // A bijective mixer of 32 bits (multiply-xorshift; constants by C. Wellons, public domain, hash-prospector).
 FN uint noise_hash(IN(uint) x) {
@@ -64,6 +65,57 @@ FN float noise_fractal(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) o
   for (int octave = 0; octave < octaves; ++octave) {
     float band = noise_band(length_m, footprint);
     if (band > 0.0) sum += weight * band * noise_value(x, y, length_m);
+    weight *= gain;
+    length_m *= 0.5;
+  }
+  return sum;
+}
+
+// Integral of the kernel of the value noise, 1 - (6 x^5 - 15 x^4 + 10 x^3) within a cell of its lattice point, from -1
+// to x; in cells.
+FN float noise_kernel_integral(IN(float) x) {
+  float d = min(abs(x), float(1.0));
+  float half_part = d - d * d * d * d * (d * (d - 3.0) + 2.5);
+  return x < 0.0 ? 0.5 - half_part : 0.5 + half_part;
+}
+
+// The exact mean of noise_value over a box of the given widths about (x, y).
+FN float noise_value_box(IN(float) x, IN(float) y, IN(float) wavelength, IN(float) width_x, IN(float) width_y) {
+  // Never so narrow that the difference of two integrals loses its digits.
+  float wide = max(width_x / wavelength, float(0.03));
+  float high = max(width_y / wavelength, float(0.03));
+  float x0 = x / wavelength - 0.5 * wide;
+  float y0 = y / wavelength - 0.5 * high;
+  int i0 = int(floor(x0));
+  int j0 = int(floor(y0));
+  int i1 = int(floor(x0 + wide)) + 1;
+  int j1 = int(floor(y0 + high)) + 1;
+  float fx = x0 - float(i0);
+  float fy = y0 - float(j0);
+  int cells = int(NOISE_PERIOD / wavelength);
+  float sum = float(0.0);
+  for (int j = j0; j <= j1; ++j) {
+    float from_y = fy - float(j - j0);
+    float row = float(0.0);
+    for (int i = i0; i <= i1; ++i) {
+      float from_x = fx - float(i - i0);
+      row += (noise_kernel_integral(from_x + wide) - noise_kernel_integral(from_x)) * noise_lattice(i, j, cells);
+    }
+    sum += (noise_kernel_integral(from_y + high) - noise_kernel_integral(from_y)) * row;
+  }
+  return sum / (wide * high);
+}
+
+// noise_fractal, averaged over a box of the given widths. An octave goes when its mean over so many cells is near 0.
+FN float noise_fractal_box(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) octaves, IN(float) gain,
+                           IN(float) width_x, IN(float) width_y) {
+  float sum = float(0.0);
+  float weight = float(1.0);
+  float length_m = wavelength;
+  for (int octave = 0; octave < octaves; ++octave) {
+    float cells = max(width_x / length_m, float(1.0)) * max(width_y / length_m, float(1.0));
+    float band = clamp(2.0 - cells / NOISE_CELLS, float(0.0), float(1.0));
+    if (band > 0.0) sum += weight * band * noise_value_box(x, y, length_m, width_x, width_y);
     weight *= gain;
     length_m *= 0.5;
   }
