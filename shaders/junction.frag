@@ -128,7 +128,7 @@ bool intersect(vec3 along, float near, float far, float tolerance, out Spot spot
     // One crossing at most, near that of the plane. Where that is far beside the area, none.
     vec2 p = point.xy + k * along.xy;
     JunctionSide side = side_at(p);
-    float margin = (headers[junction].low.x - low.x) + headers[junction].phase.z + slack * length(along.xy);
+    float margin = (headers[junction].low.x - low.x) + slack * length(along.xy);
     if (!side.inside && min(side.corner, side.cut) > margin) return false;
     return refine(along, near, far, clamp(k, near, far), -closing, rate, tolerance, spot);
   }

@@ -13,8 +13,8 @@ void main() {
   JunctionHeader header = headers[junction];
   precise vec3 center = (header.center_high.xyz - eye_high.xyz) + (header.center_low.xyz - eye_low.xyz);
   eye = -center;
-  // Room for the antialiased edge: two pixels at the junction's distance.
-  float margin = clamp(2.0 * right.w * length(center), 0.02, 2.0);
+  // Room for the antialiased edge, two pixels at the junction's distance, and for what lies under its corners.
+  float margin = clamp(2.0 * right.w * length(center), 0.02, 2.0) + header.phase.z;
   low = header.low.xyz - margin;
   high = header.high.xyz + margin;
   // A closed box from one strip of 14 vertices.
