@@ -1,14 +1,16 @@
 // Cities of ten thousand to a million segments: load time, memory, and frame time at street level (OSMesa).
 //   build/release/bin/scale_bench
-// Every city is the middle of the next larger one. Frame times of all cities are taken in turn, one frame each, and
-// compared by their medians; render() includes the read-back of the picture.
+// Every city is the middle of the next larger one. Frames of all cities are drawn in turn, one each, and compared by the
+// medians of their times: elapsed (ms_...), and of all processors together (cpu_ms_...), which other work on the machine
+// disturbs less. render() includes the read-back of the picture.
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <limits>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,13 +38,6 @@ constexpr Pose kPoses[] = {{3, -1.7, 0, 0},     {3, -1.7, 45, -3},   {52, 4, 90,
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
   return values[values.size() / 2];
-}
-
-template <class Work>
-double milliseconds(Work&& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 void require(const Status& status) {
@@ -89,54 +84,52 @@ void Load(benchmark::State& state) {
 }
 BENCHMARK(Load)->DenseRange(0, kSizes.size() - 1)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-// The frames of a pose in all three cities.
-struct Times {
-  std::array<double, kSizes.size()> ms;
-  std::array<double, kSizes.size()> segments;
-};
-
-Times street_level(const Pose& pose, unsigned channels, benchmark::State& state) {
-  static std::vector<Renderer> renderers;
-  while (renderers.size() < kSizes.size()) {
-    renderers.push_back(make_renderer());
-    require(renderers.back().load_roads(network(renderers.size() - 1)));
+std::vector<Renderer>& renderers() {
+  static std::vector<Renderer> all;
+  while (all.size() < kSizes.size()) {
+    all.push_back(make_renderer());
+    require(all.back().load_roads(network(all.size() - 1)));
   }
+  return all;
+}
+
+void frames(benchmark::State& state, unsigned channels, double far_m) {
+  const Pose& pose = kPoses[state.range(0)];
   Camera camera;
   camera.position_m = {pose.x_m, pose.y_m, 1.5};
   camera.yaw_deg = pose.yaw_deg;
   camera.pitch_deg = pose.pitch_deg;
   camera.fov_deg = 60;
-  const auto frame = [&](Renderer& renderer) {
-    auto drawn = renderer.render(camera, {.width = 1280, .height = 720, .channels = channels});
-    if (!drawn) require(drawn.error());
-    benchmark::DoNotOptimize(drawn->color.pixels.data());
+  camera.far_m = far_m;
+  const auto draw = [&](Renderer& renderer) {
+    auto frame = renderer.render(camera, {.width = 1280, .height = 720, .channels = channels});
+    if (!frame) require(frame.error());
+    benchmark::DoNotOptimize(frame->color.pixels.data());
   };
-  for (Renderer& renderer : renderers) frame(renderer);  // uploads
-  std::array<std::vector<double>, kSizes.size()> times;
+  for (Renderer& renderer : renderers()) draw(renderer);  // uploads
+  std::array<std::vector<double>, kSizes.size()> elapsed, processor;
   for (auto _ : state) {
-    for (std::size_t i = 0; i < kSizes.size(); ++i) times[i].push_back(milliseconds([&] { frame(renderers[i]); }));
+    for (std::size_t i = 0; i < kSizes.size(); ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      const std::clock_t cpu_start = std::clock();
+      draw(renderers()[i]);
+      processor[i].push_back(1e3 * static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC);
+      elapsed[i].push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    }
   }
-  Times result;
-  for (std::size_t i = 0; i < kSizes.size(); ++i) {
-    result.ms[i] = median(times[i]);
-    result.segments[i] = static_cast<double>(renderers[i].road_statistics().drawn_segments);
-  }
-  return result;
-}
-
-void Frames(benchmark::State& state, unsigned channels) {
-  const Times times = street_level(kPoses[state.range(0)], channels, state);
   for (std::size_t i = 0; i < kSizes.size(); ++i) {
     const std::string name = kSizes[i].name;
-    state.counters["ms_" + name] = times.ms[i];
-    state.counters["drawn_" + name] = times.segments[i];
+    state.counters["ms_" + name] = median(elapsed[i]);
+    state.counters["cpu_ms_" + name] = median(processor[i]);
+    state.counters["drawn_" + name] = static_cast<double>(renderers()[i].road_statistics().drawn_segments);
   }
-  state.counters["ratio_1M_10k"] = times.ms.back() / times.ms.front();
+  state.counters["ratio"] = median(elapsed.back()) / median(elapsed.front());
+  state.counters["cpu_ratio"] = median(processor.back()) / median(processor.front());
 }
-void Picture(benchmark::State& state) { Frames(state, kColor); }
-void DataChannels(benchmark::State& state) { Frames(state, kDepth | kRoad); }
-BENCHMARK(Picture)->DenseRange(0, std::size(kPoses) - 1)->Iterations(11)->Unit(benchmark::kMillisecond);
-BENCHMARK(DataChannels)->DenseRange(0, 1)->Iterations(11)->Unit(benchmark::kMillisecond);
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+BENCHMARK_CAPTURE(frames, picture, kColor, kUnlimited)->DenseRange(0, std::size(kPoses) - 1)->Iterations(11);
+BENCHMARK_CAPTURE(frames, depth_and_road, kDepth | kRoad, kUnlimited)->Arg(0)->Arg(1)->Iterations(11);
+BENCHMARK_CAPTURE(frames, depth_and_road_to_3_km, kDepth | kRoad, 3000.0)->Arg(0)->Arg(1)->Iterations(11);
 
 }  // namespace
 }  // namespace roadgen
