@@ -1,14 +1,17 @@
 // Cities of ten thousand to a million segments: load time, memory, and frame time at street level (OSMesa).
 //   build/release/bin/scale_bench
-// Every city is the middle of the next larger one. Frame times of all cities are taken in turn, one frame each, and
-// compared by their medians; render() includes the read-back of the picture.
+// Every city is the middle of the next larger one. Frames of all cities are drawn in turn, one each, and compared pose by
+// pose by the medians of their times: elapsed (ms_...), and of all processors together (cpu_ms_...), which other work on
+// the machine disturbs less. `ratio` is of the greatest city to the smallest: the median of all poses, and the worst.
+// render() includes the read-back of the picture.
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <limits>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,23 +29,21 @@ struct Size {
 };
 constexpr std::array<Size, 3> kSizes{{{"10k", 50}, {"100k", 158}, {"1M", 500}}};
 
-// Positions near the middle of the cities, 1.5 m above the road.
-struct Pose {
-  double x_m, y_m, yaw_deg, pitch_deg;
-};
-constexpr Pose kPoses[] = {{3, -1.7, 0, 0},     {3, -1.7, 45, -3},   {52, 4, 90, 0},
-                           {-148, 97, 200, -8}, {249, -301, 135, 0}, {-95, -207, 300, 2}};
+// Eyes 1.5 m above the ground near the middle of the cities, in any direction, looking up or down by at most 5 degrees.
+constexpr int kPoses = 12;
+Camera street_level(int pose) {
+  const auto noise = [&](int what) { return test::city_noise(99, pose, what); };
+  Camera camera;
+  camera.position_m = {400 * noise(0), 400 * noise(1), 1.5};
+  camera.yaw_deg = 180 * noise(2);
+  camera.pitch_deg = 5 * noise(3);
+  camera.fov_deg = 60;
+  return camera;
+}
 
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
   return values[values.size() / 2];
-}
-
-template <class Work>
-double milliseconds(Work&& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 void require(const Status& status) {
@@ -89,54 +90,65 @@ void Load(benchmark::State& state) {
 }
 BENCHMARK(Load)->DenseRange(0, kSizes.size() - 1)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-// The frames of a pose in all three cities.
-struct Times {
-  std::array<double, kSizes.size()> ms;
-  std::array<double, kSizes.size()> segments;
-};
-
-Times street_level(const Pose& pose, unsigned channels, benchmark::State& state) {
-  static std::vector<Renderer> renderers;
-  while (renderers.size() < kSizes.size()) {
-    renderers.push_back(make_renderer());
-    require(renderers.back().load_roads(network(renderers.size() - 1)));
+std::vector<Renderer>& renderers() {
+  static std::vector<Renderer> all;
+  while (all.size() < kSizes.size()) {
+    all.push_back(make_renderer());
+    require(all.back().load_roads(network(all.size() - 1)));
   }
-  Camera camera;
-  camera.position_m = {pose.x_m, pose.y_m, 1.5};
-  camera.yaw_deg = pose.yaw_deg;
-  camera.pitch_deg = pose.pitch_deg;
-  camera.fov_deg = 60;
-  const auto frame = [&](Renderer& renderer) {
-    auto drawn = renderer.render(camera, {.width = 1280, .height = 720, .channels = channels});
-    if (!drawn) require(drawn.error());
-    benchmark::DoNotOptimize(drawn->color.pixels.data());
+  return all;
+}
+
+using Milliseconds = std::vector<double>;
+
+void frames(benchmark::State& state, unsigned channels, double far_m) {
+  const auto draw = [&](Renderer& renderer, Camera camera) {
+    camera.far_m = far_m;
+    auto frame = renderer.render(camera, {.width = 1280, .height = 720, .channels = channels});
+    if (!frame) require(frame.error());
+    benchmark::DoNotOptimize(frame->color.pixels.data());
   };
-  for (Renderer& renderer : renderers) frame(renderer);  // uploads
-  std::array<std::vector<double>, kSizes.size()> times;
+  std::array<std::array<Milliseconds, kPoses>, kSizes.size()> elapsed, processor;
+  std::array<double, kSizes.size()> drawn{};
+  for (int pose = 0; pose < kPoses; ++pose) {
+    for (std::size_t i = 0; i < kSizes.size(); ++i) {
+      draw(renderers()[i], street_level(pose));  // uploads
+      drawn[i] += static_cast<double>(renderers()[i].road_statistics().drawn_segments) / kPoses;
+    }
+  }
   for (auto _ : state) {
-    for (std::size_t i = 0; i < kSizes.size(); ++i) times[i].push_back(milliseconds([&] { frame(renderers[i]); }));
+    for (int pose = 0; pose < kPoses; ++pose) {
+      for (std::size_t i = 0; i < kSizes.size(); ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        const std::clock_t cpu_start = std::clock();
+        draw(renderers()[i], street_level(pose));
+        processor[i][pose].push_back(1e3 * static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC);
+        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+        elapsed[i][pose].push_back(took.count());
+      }
+    }
   }
-  Times result;
-  for (std::size_t i = 0; i < kSizes.size(); ++i) {
-    result.ms[i] = median(times[i]);
-    result.segments[i] = static_cast<double>(renderers[i].road_statistics().drawn_segments);
-  }
-  return result;
+  const auto report = [&](const std::string& prefix, const auto& times) {
+    Milliseconds ratios;
+    for (int pose = 0; pose < kPoses; ++pose) {
+      ratios.push_back(median(times.back()[pose]) / median(times.front()[pose]));
+    }
+    for (std::size_t i = 0; i < kSizes.size(); ++i) {
+      Milliseconds of_poses;
+      for (const Milliseconds& of_pose : times[i]) of_poses.push_back(median(of_pose));
+      state.counters[prefix + "ms_" + kSizes[i].name] = median(of_poses);
+    }
+    state.counters[prefix + "ratio"] = median(ratios);
+    state.counters[prefix + "ratio_worst"] = *std::max_element(ratios.begin(), ratios.end());
+  };
+  report("", elapsed);
+  report("cpu_", processor);
+  for (std::size_t i = 0; i < kSizes.size(); ++i) state.counters[std::string("drawn_") + kSizes[i].name] = drawn[i];
 }
-
-void Frames(benchmark::State& state, unsigned channels) {
-  const Times times = street_level(kPoses[state.range(0)], channels, state);
-  for (std::size_t i = 0; i < kSizes.size(); ++i) {
-    const std::string name = kSizes[i].name;
-    state.counters["ms_" + name] = times.ms[i];
-    state.counters["drawn_" + name] = times.segments[i];
-  }
-  state.counters["ratio_1M_10k"] = times.ms.back() / times.ms.front();
-}
-void Picture(benchmark::State& state) { Frames(state, kColor); }
-void DataChannels(benchmark::State& state) { Frames(state, kDepth | kRoad); }
-BENCHMARK(Picture)->DenseRange(0, std::size(kPoses) - 1)->Iterations(11)->Unit(benchmark::kMillisecond);
-BENCHMARK(DataChannels)->DenseRange(0, 1)->Iterations(11)->Unit(benchmark::kMillisecond);
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+BENCHMARK_CAPTURE(frames, picture, kColor, kUnlimited)->Iterations(7);
+BENCHMARK_CAPTURE(frames, depth_and_road, kDepth | kRoad, kUnlimited)->Iterations(5);
+BENCHMARK_CAPTURE(frames, depth_and_road_to_3_km, kDepth | kRoad, 3000.0)->Iterations(5);
 
 }  // namespace
 }  // namespace roadgen
