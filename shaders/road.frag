@@ -174,23 +174,40 @@ void add_part(inout Pixel pixel, float part, vec3 color, Spot spot, vec3 normal,
   }
 }
 
-vec3 strip_color(Strip strip, Spot spot, float middle) {
+// What all that is seen at a spot shares.
+struct Look {
+  vec3 noise;
+  FrameLight light;
+};
+
+Look look_at(Spot spot) {
+#ifdef CHANNELS
+  return Look(vec3(0.0), FrameLight(vec3(0.0), vec3(0.0), 0.0));
+#else
+  float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
+  return Look(material_noise(s, spot.t, float(ids.x), abs(spot.s_step.x) + abs(spot.s_step.y),
+                             abs(spot.t_step.x) + abs(spot.t_step.y)),
+              frame_light(spot.normal, spot.position));
+#endif
+}
+
+vec3 strip_color(Strip strip, Spot spot, Look look, float middle) {
 #ifdef CHANNELS
   return vec3(0.0);
 #else
   float wheel = strip.driving ? exp(-pow(abs(abs(spot.t - middle) - 0.8), 2.0) * 6.0) : 0.0;
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
-  vec3 albedo = material_albedo(strip.material, s, spot.t, wheel, float(ids.x), abs(spot.s_step.x) + abs(spot.s_step.y),
-                                abs(spot.t_step.x) + abs(spot.t_step.y));
-  return frame_shade(albedo, frame_light(spot.normal, spot.position));
+  return frame_shade(material_color(strip.material, s, spot.t, wheel, look.noise,
+                                    abs(spot.s_step.x) + abs(spot.s_step.y), abs(spot.t_step.x) + abs(spot.t_step.y)),
+                     look.light);
 #endif
 }
 
-vec3 paint_color(int color, Spot spot) {
+vec3 paint_color(int color, Look look) {
 #ifdef CHANNELS
   return vec3(0.0);
 #else
-  return frame_shade(marking_color(color), frame_light(spot.normal, spot.position));
+  return frame_shade(marking_color(color), look.light);
 #endif
 }
 
@@ -225,11 +242,14 @@ float paint_part(uint row, Spot spot) {
   return filter_step(-d, ds * ss.x + dt * ts.x, ds * ss.y + dt * ts.y);
 }
 
-#ifdef RELIEF
+// Only DETAILED roads have more than one level, and paint.
+#ifdef DETAILED
 #define SPOT(level) spots[level]
+#define LOOK(level) looks[level]
 #define SPOTS LEVELS
 #else
 #define SPOT(level) spots[0]
+#define LOOK(level) looks[0]
 #define SPOTS 1
 #endif
 
@@ -241,7 +261,7 @@ float left_of(Spot spots[SPOTS], int border, int level) {
 
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
 // that no strip up to here has taken, as the far side of the last border bounds it.
-Pixel cross_section(Spot spots[SPOTS]) {
+Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0);
   int borders = int(section_rows[ids.y].x);
   // Does the ray run to the left as it goes?
@@ -260,7 +280,7 @@ Pixel cross_section(Spot spots[SPOTS]) {
     Strip strip = last ? Strip(0, level, level, false, 0.0) : section_strip(ids.y, leftward ? border : border - 1);
     int near = leftward ? strip.right_level : strip.left_level;
     int far = leftward ? strip.left_level : strip.right_level;
-#ifdef RELIEF
+#ifdef DETAILED
     if (near != level) {
       // A vertical face between the two levels.
       float beyond = shift + flip * left_of(spots, border, near);
@@ -274,7 +294,7 @@ Pixel cross_section(Spot spots[SPOTS]) {
         face.s = mix(SPOT(level).s, SPOT(near).s, w);
         face.t -= d0;
         face.normal = vec3(-flip * face.left, 0.0);
-        add_part(pixel, part, strip_color(Strip(5, level, near, false, 0.0), face, face.t), face, face.normal, strip.lane,
+        add_part(pixel, part, strip_color(Strip(5, level, near, false, 0.0), face, look_at(face), face.t), face, face.normal, strip.lane,
                  2.0);
       }
       open = min(open, beyond);
@@ -291,7 +311,7 @@ Pixel cross_section(Spot spots[SPOTS]) {
       open = min(open, beyond);
       if (part > 0.0) {
         float ds = height.w + spot.s;
-        color = strip_color(strip, spot,
+        color = strip_color(strip, spot, LOOK(level),
                             0.5 * (section_border(ids.y, border, ds) + section_border(ids.y, border + onward, ds)));
         add_part(pixel, part, color, spot, spot.normal, strip.lane, 2.0);
       }
@@ -305,7 +325,7 @@ Pixel cross_section(Spot spots[SPOTS]) {
         float over = marking_border(mark.kind, spot.t - section_border(ids.y, border, ds), ds, mark.width, mark.space,
                                     mark.on, mark.off, spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y);
         if (over > 0.0) {
-          add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, spot));
+          add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, LOOK(level)));
         }
       }
     }
@@ -313,25 +333,26 @@ Pixel cross_section(Spot spots[SPOTS]) {
     before_color = color;
     level = far;
   }
+#ifdef DETAILED
   uint paint = ids.z >> 8u;
   for (uint i = 0u; i < (ids.z & 255u); ++i) {
     vec4 kind = paint_rows[2u * (paint + i) + 1u];
     float over = SPOT(0).on ? paint_part(paint + i, SPOT(0)) : 0.0;
     if (over > 0.0 && pixel.coverage > 0.0) {
-      add_mark(pixel, over, pixel.coverage, pixel.color / pixel.coverage, paint_color(int(kind.y), SPOT(0)));
+      add_mark(pixel, over, pixel.coverage, pixel.color / pixel.coverage, paint_color(int(kind.y), LOOK(0)));
     }
   }
+#endif
   return pixel;
 }
 
 // The underside of a bridge.
-Pixel underside(Spot spots[SPOTS]) {
+Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0);
   float part = max(left_of(spots, 0, 0) - left_of(spots, int(section_rows[ids.y].x) - 1, 0), 0.0);
-  Spot spot = SPOT(0);
-  spot.normal = -spot.normal;
-  if (part > 0.0 && spot.on) {
-    add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), spot, 0.0), spot, spot.normal, 0.0, 2.0);
+  if (part > 0.0 && SPOT(0).on) {
+    add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), SPOT(0), LOOK(0), 0.0), SPOT(0), SPOT(0).normal, 0.0,
+             2.0);
   }
   return pixel;
 }
@@ -343,9 +364,13 @@ void main() {
                               crossfall.y, crossfall.z, crossfall.w);
   Ray ray = eye_ray(r);
   if (!(ray.k.x <= ray.k.y)) discard;
-  int levels = int(section_rows[ids.y].y);
   Spot spots[SPOTS];
+#ifdef DETAILED
+  int levels = int(section_rows[ids.y].y);
   for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_rows[ids.y + 1u][i]);
+#else
+  spots[0] = intersect(r, ray, 0.0);
+#endif
 #else
   RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
                               0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -358,11 +383,18 @@ void main() {
                      road_project_linear(linear.x, linear.y, linear.z, chord_point.x, chord_point.y, r.a, r.b),
                      relative);
 #endif
+  bool from_below = dot(spots[0].normal, spots[0].position) > 0.0;
+  if (from_below) spots[0].normal = -spots[0].normal;
+  Look looks[SPOTS];
+  looks[0] = look_at(spots[0]);
+#ifdef DETAILED
+  for (int i = 1; i < levels; ++i) looks[i] = look_at(spots[i]);
+#endif
   Pixel pixel;
-  if (dot(spots[0].normal, spots[0].position) > 0.0) {
-    pixel = underside(spots);
+  if (from_below) {
+    pixel = underside(spots, looks);
   } else {
-    pixel = cross_section(spots);
+    pixel = cross_section(spots, looks);
   }
   float coverage = pixel.coverage;
   vec2 p = spots[0].p;

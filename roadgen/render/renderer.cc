@@ -131,7 +131,7 @@ struct ViewSides {
 
 // The programs of one kind of output.
 struct Programs {
-  Program ground, road_planar, road_relief, sky;
+  Program ground, road_planar, road_relief, road_detailed, sky;
 };
 
 Result<Programs> compile(const ShaderDefines& defines) {
@@ -143,9 +143,12 @@ Result<Programs> compile(const ShaderDefines& defines) {
   if (!planar) return planar.error();
   auto relief = Program::graphics("road.vert", "road.frag", with_relief);
   if (!relief) return relief.error();
+  with_relief.push_back({"DETAILED", ""});
+  auto detailed = Program::graphics("road.vert", "road.frag", with_relief);
+  if (!detailed) return detailed.error();
   auto sky = Program::graphics("sky.vert", "sky.frag", defines);
   if (!sky) return sky.error();
-  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*sky)};
+  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*detailed), std::move(*sky)};
 }
 
 // The target of a size, made anew when the size changes.
@@ -186,7 +189,7 @@ struct Renderer::State {
   Programs picture, data;
   gl::Buffer frame_uniforms;
   gl::VertexArray empty;
-  RoadBatch planar, relief;
+  RoadBatch planar, relief, detailed;
   gl::Buffer tiles, sections, paint;
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
@@ -254,15 +257,17 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     glBindVertexArray(planar.vertex_array.id());
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, planar.count);
   }
-  if (relief.count > 0) {
-    // Back faces only: one ray per pixel, also with the eye inside the box.
-    glEnable(GL_CULL_FACE);
-    glCullFace(GL_FRONT);
-    programs.road_relief.use();
-    glBindVertexArray(relief.vertex_array.id());
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, relief.count);
-    glDisable(GL_CULL_FACE);
+  // Back faces only: one ray per pixel, also with the eye inside the box.
+  glEnable(GL_CULL_FACE);
+  glCullFace(GL_FRONT);
+  for (const auto& [batch, program] :
+       {std::pair(&relief, &programs.road_relief), {&detailed, &programs.road_detailed}}) {
+    if (batch->count == 0) continue;
+    program->use();
+    glBindVertexArray(batch->vertex_array.id());
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, batch->count);
   }
+  glDisable(GL_CULL_FACE);
   glBindVertexArray(0);
   glUseProgram(0);
 }
@@ -325,6 +330,7 @@ Status Renderer::load_roads(const Network& network) {
   const RoadScene scene = road_scene(network);
   state_->planar.upload(scene.planar);
   state_->relief.upload(scene.relief);
+  state_->detailed.upload(scene.detailed);
   Table origins;
   for (const RoadTile& tile : scene.tiles) {
     const SplitPosition origin = split(tile.origin_m);

@@ -222,7 +222,7 @@ RoadScene road_scene(const Network& network) {
           road.closed ? 0 : (j == 0 ? kOpenStart : 0u) | (j + 1 == road.segments.size() ? kOpenEnd : 0u);
       const Cubic::Range deviation = planar_deviation_m(segment);
       all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment),
-                     !section.raised && std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
+                     std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
     }
   }
   // By tile; within a tile from low to high, so that a bridge's antialiased edge fades over the road below it.
@@ -237,6 +237,7 @@ RoadScene road_scene(const Network& network) {
     tile.origin_m = glm::dvec3(all[i].tile) * kTileSize_m;
     tile.planar_first = static_cast<std::uint32_t>(scene.planar.size());
     tile.relief_first = static_cast<std::uint32_t>(scene.relief.size());
+    tile.detailed_first = static_cast<std::uint32_t>(scene.detailed.size());
     const glm::ivec3 key = all[i].tile;
     for (; i < all.size() && all[i].tile == key; ++i) {
       const Segment& segment = *all[i].segment;
@@ -244,7 +245,8 @@ RoadScene road_scene(const Network& network) {
       RoadInstance r = instance(all[i], road.sections[segment.section], static_cast<std::uint32_t>(scene.tiles.size()),
                                 tile.origin_m);
       r.paint = add_paint(road, segment, scene.paint);
-      (all[i].planar ? scene.planar : scene.relief).push_back(r);
+      const bool detailed = all[i].section->raised || r.paint != 0;
+      (detailed ? scene.detailed : all[i].planar ? scene.planar : scene.relief).push_back(r);
       Bounds box = bounds(segment);
       box.low_m.z += all[i].section->heights.low;
       box.high_m.z += all[i].section->heights.high;
@@ -253,6 +255,7 @@ RoadScene road_scene(const Network& network) {
     }
     tile.planar_count = static_cast<std::uint32_t>(scene.planar.size()) - tile.planar_first;
     tile.relief_count = static_cast<std::uint32_t>(scene.relief.size()) - tile.relief_first;
+    tile.detailed_count = static_cast<std::uint32_t>(scene.detailed.size()) - tile.detailed_first;
     scene.tiles.push_back(tile);
   }
   return scene;

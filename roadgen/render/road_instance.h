@@ -48,18 +48,20 @@ using Table = std::vector<glm::vec4>;
 // Segments that lie together; their starts are floats relative to origin_m.
 struct RoadTile {
   glm::dvec3 origin_m{0, 0, 0};
-  Bounds bounds;                                     // of all footprints and lanes' heights
-  std::uint32_t planar_first = 0, planar_count = 0;  // in RoadScene::planar
-  std::uint32_t relief_first = 0, relief_count = 0;  // in RoadScene::relief
+  Bounds bounds;                                         // of all footprints and lanes' heights
+  std::uint32_t planar_first = 0, planar_count = 0;      // in RoadScene::planar
+  std::uint32_t relief_first = 0, relief_count = 0;      // in RoadScene::relief
+  std::uint32_t detailed_first = 0, detailed_count = 0;  // in RoadScene::detailed
 };
 inline constexpr double kTileSize_m = 256;
 
 struct RoadScene {
   std::vector<RoadTile> tiles;
-  std::vector<RoadInstance> planar;  // drawn as the paper's single quad
-  std::vector<RoadInstance> relief;  // ray-cast within a box
-  Table sections;                    // layout: shaders/sections.glsl
-  Table paint;                       // likewise
+  std::vector<RoadInstance> planar;    // drawn as the paper's single quad
+  std::vector<RoadInstance> relief;    // ray-cast within a box
+  std::vector<RoadInstance> detailed;  // likewise; with raised strips or paint
+  Table sections;                      // layout: shaders/sections.glsl
+  Table paint;                         // likewise
 };
 RoadScene road_scene(const Network& network);
 

@@ -19,7 +19,9 @@ void main() {
   spot.t_step = vec2(dFdx(st.y), dFdy(st.y));
   spot.on = true;
   spots[0] = spot;
-  Pixel pixel = cross_section(spots);
+  Look looks[SPOTS];
+  looks[0] = look_at(spot);
+  Pixel pixel = cross_section(spots, looks);
   if (!(pixel.coverage > 0.0)) discard;
   out_color = vec4(pixel.color / pixel.coverage, pixel.coverage);
 }
