@@ -209,24 +209,40 @@ void add_part(inout Pixel pixel, float part, vec3 color, Spot spot, float lane) 
   }
 }
 
-vec3 strip_color(Strip strip, Spot spot, float middle) {
+// What all that is seen at a spot shares.
+struct Look {
+  vec3 noise;
+  vec2 width;  // of the boxes over which textures are averaged, along s and t: as the pixel's spread has it
+  FrameLight light;
+};
+
+Look look_at(Spot spot) {
+#ifdef CHANNELS
+  return Look(vec3(0.0), vec2(0.0), FrameLight(vec3(0.0), vec3(0.0), 0.0));
+#else
+  float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
+  vec2 width = vec2(length(spot.s_step), length(spot.t_step));
+  return Look(material_noise(s, spot.t, float(ids.x), width.x, width.y), width,
+              frame_light(spot.normal, spot.position));
+#endif
+}
+
+vec3 strip_color(Strip strip, Spot spot, Look look, float middle) {
 #ifdef CHANNELS
   return vec3(0.0);
 #else
   float wheel = strip.driving ? exp(-pow(abs(abs(spot.t - middle) - 0.8), 2.0) * 6.0) : 0.0;
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
-  // Boxes as wide as the pixel's spread, as its variance has it.
-  vec3 albedo =
-      material_albedo(strip.material, s, spot.t, wheel, float(ids.x), length(spot.s_step), length(spot.t_step));
-  return frame_shade(albedo, frame_light(spot.normal, spot.position));
+  return frame_shade(material_color(strip.material, s, spot.t, wheel, look.noise, look.width.x, look.width.y),
+                     look.light);
 #endif
 }
 
-vec3 paint_color(int color, Spot spot) {
+vec3 paint_color(int color, Look look) {
 #ifdef CHANNELS
   return vec3(0.0);
 #else
-  return frame_shade(marking_color(color), frame_light(spot.normal, spot.position));
+  return frame_shade(marking_color(color), look.light);
 #endif
 }
 
@@ -261,11 +277,14 @@ float paint_part(uint row, Spot spot) {
   return filter_step(-d, ds * ss.x + dt * ts.x, ds * ss.y + dt * ts.y);
 }
 
-#ifdef RELIEF
+// Only DETAILED roads have more than one level, and paint.
+#ifdef DETAILED
 #define SPOT(level) spots[level]
+#define LOOK(level) looks[level]
 #define SPOTS LEVELS
 #else
 #define SPOT(level) spots[0]
+#define LOOK(level) looks[0]
 #define SPOTS 1
 #endif
 
@@ -286,7 +305,7 @@ float left_of(Spot spots[SPOTS], Corner corner) {
 // Where the ray meets the strip or the vertical face between two corners.
 Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
   Spot spot = SPOT(near.level);
-#ifdef RELIEF
+#ifdef DETAILED
   if (near.level != far.level) {
     Spot other = SPOT(far.level);
     float border = border_t(near, spot);
@@ -315,7 +334,7 @@ Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
 // that nothing up to here has taken. A ray that leaves the segment between two levels counts where it leaves, so that
 // both neighbours of a joint fill their pixels.
-Pixel cross_section(Spot spots[SPOTS]) {
+Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = no_pixel();
   int borders = int(section_rows[ids.y].x);
   // Does the ray run to the left as it goes?
@@ -332,14 +351,14 @@ Pixel cross_section(Spot spots[SPOTS]) {
     Strip strip = last ? Strip(0, corner.level, corner.level, false, 0.0)
                        : section_strip(ids.y, leftward ? corner.border : corner.border - 1);
     Corner far = Corner(corner.border, leftward ? strip.right_level : strip.left_level);
-#ifdef RELIEF
+#ifdef DETAILED
     if (far.level != corner.level) {
       // A vertical face.
       float beyond = shift + flip * left_of(spots, far);
       float part = max(open - beyond, 0.0);
       if (part > 0.0) {
         Spot spot = spot_between(spots, corner, far);
-        add_part(pixel, part, strip_color(Strip(5, 0, 0, false, 0.0), spot, spot.t), spot, strip.lane);
+        add_part(pixel, part, strip_color(Strip(5, 0, 0, false, 0.0), spot, look_at(spot), spot.t), spot, strip.lane);
       }
       open = min(open, beyond);
       before = 0.0;
@@ -356,7 +375,16 @@ Pixel cross_section(Spot spots[SPOTS]) {
       open = min(open, beyond);
       if (part > 0.0) {
         spot = spot_between(spots, corner, far);
-        color = strip_color(strip, spot, 0.5 * (border_t(corner, spot) + border_t(far, spot)));
+        float middle = 0.5 * (border_t(corner, spot) + border_t(far, spot));
+#ifdef DETAILED
+        if (corner.level != far.level) {
+          color = strip_color(strip, spot, look_at(spot), middle);
+        } else {
+          color = strip_color(strip, spot, LOOK(corner.level), middle);
+        }
+#else
+        color = strip_color(strip, spot, LOOK(corner.level), middle);
+#endif
         add_part(pixel, part, color, spot, strip.lane);
       }
     }
@@ -368,7 +396,7 @@ Pixel cross_section(Spot spots[SPOTS]) {
         float over = marking_border(mark.kind, spot.t - border_t(corner, spot), height.w + spot.s, mark.width, mark.space,
                                     mark.on, mark.off, spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y);
         if (over > 0.0) {
-          add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, spot));
+          add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, LOOK(corner.level)));
         }
       }
     }
@@ -376,26 +404,24 @@ Pixel cross_section(Spot spots[SPOTS]) {
     before_color = color;
     corner = far;
   }
+#ifdef DETAILED
   uint paint = ids.z >> 8u;
   for (uint i = 0u; i < (ids.z & 255u); ++i) {
     vec4 kind = paint_rows[2u * (paint + i) + 1u];
     float over = SPOT(0).on ? paint_part(paint + i, SPOT(0)) : 0.0;
     if (over > 0.0 && pixel.coverage > 0.0) {
-      add_mark(pixel, over, pixel.coverage, pixel.color / pixel.coverage, paint_color(int(kind.y), SPOT(0)));
+      add_mark(pixel, over, pixel.coverage, pixel.color / pixel.coverage, paint_color(int(kind.y), LOOK(0)));
     }
   }
+#endif
   return pixel;
 }
 
 // The underside of a bridge.
-Pixel underside(Spot spots[SPOTS]) {
+Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = no_pixel();
   float part = left_of(spots, Corner(0, 0)) - left_of(spots, Corner(int(section_rows[ids.y].x) - 1, 0));
-  if (part > 0.0) {
-    Spot spot = SPOT(0);
-    spot.normal = -spot.normal;
-    add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), spot, 0.0), spot, 0.0);
-  }
+  if (part > 0.0) add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), SPOT(0), LOOK(0), 0.0), SPOT(0), 0.0);
   return pixel;
 }
 
@@ -406,9 +432,13 @@ void main() {
                               crossfall.y, crossfall.z, crossfall.w);
   Ray ray = eye_ray(r);
   if (!(ray.k.x <= ray.k.y)) discard;
-  int levels = int(section_rows[ids.y].y);
   Spot spots[SPOTS];
+#ifdef DETAILED
+  int levels = int(section_rows[ids.y].y);
   for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_rows[ids.y + 1u][i]);
+#else
+  spots[0] = intersect(r, ray, 0.0);
+#endif
 #else
   RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
                               0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -421,11 +451,18 @@ void main() {
                      road_project_linear(linear.x, linear.y, linear.z, chord_point.x, chord_point.y, r.a, r.b),
                      relative);
 #endif
+  bool from_below = dot(spots[0].normal, spots[0].position) > 0.0;
+  if (from_below) spots[0].normal = -spots[0].normal;
+  Look looks[SPOTS];
+  looks[0] = look_at(spots[0]);
+#ifdef DETAILED
+  for (int i = 1; i < levels; ++i) looks[i] = look_at(spots[i]);
+#endif
   Pixel pixel;
-  if (dot(spots[0].normal, spots[0].position) > 0.0) {
-    pixel = underside(spots);
+  if (from_below) {
+    pixel = underside(spots, looks);
   } else {
-    pixel = cross_section(spots);
+    pixel = cross_section(spots, looks);
   }
   float coverage = pixel.coverage;
   vec2 p = spots[0].p;

@@ -1,6 +1,7 @@
 #include "roadgen/render/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -72,7 +73,9 @@ struct GroundBatch {
 
 // The programs of one kind of output.
 struct Programs {
-  Program ground, road_planar, road_relief, junction, sky;
+  Program ground;
+  std::array<Program, kRoadKinds> roads;
+  Program junction, sky;
 };
 
 Result<Programs> compile(const ShaderDefines& defines) {
@@ -84,11 +87,17 @@ Result<Programs> compile(const ShaderDefines& defines) {
   if (!planar) return planar.error();
   auto relief = Program::graphics("road.vert", "road.frag", with_relief);
   if (!relief) return relief.error();
+  with_relief.push_back({"DETAILED", ""});
+  auto detailed = Program::graphics("road.vert", "road.frag", with_relief);
+  if (!detailed) return detailed.error();
   auto junction = Program::graphics("junction.vert", "junction.frag", defines);
   if (!junction) return junction.error();
   auto sky = Program::graphics("sky.vert", "sky.frag", defines);
   if (!sky) return sky.error();
-  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*junction), std::move(*sky)};
+  return Programs{std::move(*ground),
+                  {std::move(*planar), std::move(*relief), std::move(*detailed)},
+                  std::move(*junction),
+                  std::move(*sky)};
 }
 
 // The target of a size, made anew when the size changes.
@@ -199,8 +208,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     junctions.draw();
     glDisable(GL_CULL_FACE);
   }
-  roads.draw({camera, width, height, lighting.haze_range_m, least_contribution}, options.cull, programs.road_planar,
-             programs.road_relief);
+  roads.draw({camera, width, height, lighting.haze_range_m, least_contribution}, options.cull, programs.roads);
   glBindVertexArray(0);
   glUseProgram(0);
 }

@@ -214,7 +214,7 @@ RoadScene road_scene(const Network& network) {
                                                     (j + 1 == road.segments.size() && !road.joined_end ? kOpenEnd : 0u);
       const Cubic::Range deviation = planar_deviation_m(segment);
       all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment), segment.elevation_m.c0,
-                     !section.raised && std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
+                     std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
     }
   }
   // By tile; within a tile from low to high, so that a bridge's antialiased edge fades over the road below it.
@@ -224,8 +224,9 @@ RoadScene road_scene(const Network& network) {
   for (std::size_t i = 0; i < all.size();) {
     RoadTile tile;
     tile.origin_m = glm::dvec3(all[i].tile) * kTileSize_m;
-    tile.planar_first = static_cast<std::uint32_t>(scene.planar.size());
-    tile.relief_first = static_cast<std::uint32_t>(scene.relief.size());
+    for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {
+      tile.ranges[kind].first = static_cast<std::uint32_t>(scene.instances[kind].size());
+    }
     const glm::ivec3 key = all[i].tile;
     for (; i < all.size() && all[i].tile == key; ++i) {
       const Segment& segment = *all[i].segment;
@@ -233,7 +234,8 @@ RoadScene road_scene(const Network& network) {
       RoadInstance r = instance(all[i], road.sections[segment.section], static_cast<std::uint32_t>(scene.tiles.size()),
                                 tile.origin_m);
       r.paint = add_paint(road, segment, scene.paint);
-      (all[i].planar ? scene.planar : scene.relief).push_back(r);
+      const bool detailed = all[i].section->raised || r.paint != 0;
+      scene.instances[detailed ? kDetailed : all[i].planar ? kPlanar : kRelief].push_back(r);
       Bounds box = bounds(segment);
       box.low_m.z += all[i].section->heights.low;
       box.high_m.z += all[i].section->heights.high;
@@ -243,8 +245,10 @@ RoadScene road_scene(const Network& network) {
       const double slope = std::max(std::abs(segment.slope_start), std::abs(segment.slope_end));
       tile.margin_m = std::max(tile.margin_m, kGreatestMargin_m * std::hypot(1, 1 + slope));
     }
-    tile.planar_count = static_cast<std::uint32_t>(scene.planar.size()) - tile.planar_first;
-    tile.relief_count = static_cast<std::uint32_t>(scene.relief.size()) - tile.relief_first;
+    for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {
+      RoadTile::Range& range = tile.ranges[kind];
+      range.count = static_cast<std::uint32_t>(scene.instances[kind].size()) - range.first;
+    }
     scene.tiles.push_back(tile);
   }
   return scene;

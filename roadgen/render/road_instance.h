@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -46,13 +47,20 @@ inline constexpr double kNoisePeriod_m = 4096;
 // What segments share. Four floats each.
 using Table = std::vector<glm::vec4>;
 
+// How segments are drawn: planar as the paper's single quad; with relief ray-cast within a box; detailed likewise, with
+// raised strips or paint.
+enum RoadKind { kPlanar, kRelief, kDetailed };
+inline constexpr std::size_t kRoadKinds = 3;
+
 // Segments that lie together; their starts are floats relative to origin_m.
 struct RoadTile {
   glm::dvec3 origin_m{0, 0, 0};
   Bounds bounds;        // of all footprints and lanes' heights
   double margin_m = 0;  // that the quads and boxes which road.vert draws may reach beyond the bounds
-  std::uint32_t planar_first = 0, planar_count = 0;  // in RoadScene::planar
-  std::uint32_t relief_first = 0, relief_count = 0;  // in RoadScene::relief
+  struct Range {
+    std::uint32_t first = 0, count = 0;
+  };
+  std::array<Range, kRoadKinds> ranges;  // of RoadScene::instances
 };
 inline constexpr double kTileSize_m = 256;
 // road.vert widens quads and boxes by at most this for the antialiased edge.
@@ -60,8 +68,7 @@ inline constexpr double kGreatestMargin_m = 2;
 
 struct RoadScene {
   std::vector<RoadTile> tiles;
-  std::vector<RoadInstance> planar;  // drawn as the paper's single quad; by tile, in a tile from low to high
-  std::vector<RoadInstance> relief;  // ray-cast within a box; likewise
+  std::array<std::vector<RoadInstance>, kRoadKinds> instances;  // by tile, in a tile from low to high
   Table sections;                    // layout: shaders/sections.glsl
   Table paint;                       // likewise
 };

@@ -54,9 +54,13 @@ RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
     : scene_(std::move(scene)),
       index_(scene_.tiles),
       vertex_array_(instance_array()),
-      commands_(gl::Buffer::create()),
-      relief_page_(pages(scene_.planar.size())) {
-  const std::uint32_t page_count = relief_page_ + pages(scene_.relief.size());
+      commands_(gl::Buffer::create()) {
+  std::uint32_t page_count = 0;
+  for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {
+    first_page_[kind] = page_count;
+    page_count += pages(scene_.instances[kind].size());
+    statistics_.segments += scene_.instances[kind].size();
+  }
   const std::size_t slot_count = std::min<std::size_t>(page_count, budget_bytes / kPageBytes);
   assert(page_count == 0 || slot_count > 0);
   slot_of_page_.resize(page_count);
@@ -74,7 +78,6 @@ RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
     pool_ = gl::Buffer::with_data(static_cast<GLsizeiptr>(slot_count * kPageBytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
     glVertexArrayVertexBuffer(vertex_array_.id(), 0, pool_.id(), 0, sizeof(RoadInstance));
   }
-  statistics_.segments = scene_.planar.size() + scene_.relief.size();
   statistics_.tiles = scene_.tiles.size();
   statistics_.instance_bytes = statistics_.segments * sizeof(RoadInstance);
   statistics_.pool_bytes = slot_count * kPageBytes;
@@ -83,7 +86,7 @@ RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
   scene_.sections = scene_.paint = {};
 }
 
-void RoadTiles::draw(const TileView& view, bool cull, const Program& planar, const Program& relief) {
+void RoadTiles::draw(const TileView& view, bool cull, const std::array<Program, kRoadKinds>& programs) {
   statistics_.drawn_segments = statistics_.batches = statistics_.uploaded_bytes = 0;
   if (scene_.tiles.empty()) return;
   if (cull) {
@@ -96,20 +99,18 @@ void RoadTiles::draw(const TileView& view, bool cull, const Program& planar, con
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, sections_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, paint_.id());
   glBindVertexArray(vertex_array_.id());
-  if (!scene_.planar.empty()) {
-    planar.use();
-    for (const std::uint32_t i : visible_) {
-      add(scene_.planar, 0, scene_.tiles[i].planar_first, scene_.tiles[i].planar_count, 4);
+  for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {
+    if (scene_.instances[kind].empty()) continue;
+    const bool is_box = kind != kPlanar;
+    if (is_box) {
+      // Back faces only: one ray per pixel, also with the eye inside the box.
+      glEnable(GL_CULL_FACE);
+      glCullFace(GL_FRONT);
     }
-    flush();
-  }
-  if (!scene_.relief.empty()) {
-    // Back faces only: one ray per pixel, also with the eye inside the box.
-    glEnable(GL_CULL_FACE);
-    glCullFace(GL_FRONT);
-    relief.use();
+    programs[kind].use();
     for (const std::uint32_t i : visible_) {
-      add(scene_.relief, relief_page_, scene_.tiles[i].relief_first, scene_.tiles[i].relief_count, 14);
+      const RoadTile::Range range = scene_.tiles[i].ranges[kind];
+      add(scene_.instances[kind], first_page_[kind], range.first, range.count, is_box ? 14 : 4);
     }
     flush();
     glDisable(GL_CULL_FACE);

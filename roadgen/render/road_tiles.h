@@ -1,11 +1,12 @@
 // Internal, not installed: the roads on the GPU. Per frame the tiles that the camera sees are drawn from far to near, by
-// one indirect draw for the planar segments and one for those with relief.
+// one indirect draw for each kind of segment.
 //
 // Instances lie in pages of a pool of bounded size: a page is uploaded when a tile in it is first seen, and the page
 // seen the longest time ago makes room for it. Where the pages that one frame needs do not fit, the frame is drawn in
 // several batches, in the same order, so the picture is the same.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <list>
@@ -32,7 +33,7 @@ class RoadTiles {
   RoadTiles(RoadScene scene, std::size_t budget_bytes);
 
   // Draws into the current framebuffer, with its blending and depth test. cull: false draws every tile.
-  void draw(const TileView& view, bool cull, const Program& planar, const Program& relief);
+  void draw(const TileView& view, bool cull, const std::array<Program, kRoadKinds>& programs);
   const RoadStatistics& statistics() const { return statistics_; }
 
  private:
@@ -58,7 +59,7 @@ class RoadTiles {
   TileIndex index_;
   gl::VertexArray vertex_array_;
   gl::Buffer pool_, commands_, tiles_, sections_, paint_;
-  std::uint32_t relief_page_ = 0;  // the first page of scene_.relief; those of scene_.planar come before
+  std::array<std::uint32_t, kRoadKinds> first_page_{};  // of each kind's instances
   std::list<Slot> slots_;          // least recently used first
   std::vector<std::optional<std::list<Slot>::iterator>> slot_of_page_;
   std::uint64_t batch_ = 1;

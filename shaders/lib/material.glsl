@@ -1,12 +1,21 @@
 // What the strips of a road are made of. Albedos in linear light; textures are noise and patterns over (s, t), each
 // averaged over the pixel by its own footprint along s and t, in metres.
 
-// Albedo of material m: 0 asphalt, 1 concrete, 2 paving, 3 grass, 4 gravel, 5 curbstone. s may be reduced by
-// NOISE_PERIOD; wheel: 0 to 1 in the wheel tracks; seed: shifts the broad stains from road to road.
-FN vec3 material_albedo(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(float) seed, IN(float) width_s,
-                        IN(float) width_t) {
-  float broad = noise_fractal_box(s + 17.0 * seed, t * 4.0, float(32.0), 3, float(0.6), width_s, width_t * 4.0);
-  float grain = noise_fractal_box(s, t, float(0.25), 5, float(1.3), width_s, width_t) * 0.22;
+// The noises that materials are made of: broad stains, grain, tufts. s may be reduced by NOISE_PERIOD; seed: shifts the
+// broad stains from road to road. Computed once where strips of several materials share a pixel.
+FN vec3 material_noise(IN(float) s, IN(float) t, IN(float) seed, IN(float) width_s, IN(float) width_t) {
+  return vec3(
+      noise_fractal_box(s + 17.0 * seed, t * 4.0, float(32.0), 3, float(0.6), width_s, width_t * 4.0),
+      noise_fractal_box(s, t, float(0.25), 5, float(1.3), width_s, width_t) * 0.22,
+      noise_fractal_box(s, t, float(2.0), 6, float(0.8), width_s, width_t) * 0.4);
+}
+
+// Albedo of material m: 0 asphalt, 1 concrete, 2 paving, 3 grass, 4 gravel, 5 curbstone. wheel: 0 to 1 in the wheel
+// tracks; noise: material_noise.
+FN vec3 material_color(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(vec3) noise, IN(float) width_s,
+                       IN(float) width_t) {
+  float broad = noise.x;
+  float grain = noise.y;
   if (m == 0) return ground_asphalt(wheel, broad, grain);
   if (m == 1) {
     // Slabs of 5 m with dark joints.
@@ -19,11 +28,15 @@ FN vec3 material_albedo(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN
     return vec3(0.290, 0.270, 0.240) * ((1.0 + 0.10 * broad + 0.14 * grain) * (1.0 - 0.6 * gap));
   }
   if (m == 3) {
-    float tuft = noise_fractal_box(s, t, float(2.0), 6, float(0.8), width_s, width_t) * 0.4;
     return mix(vec3(0.064, 0.090, 0.030), vec3(0.142, 0.148, 0.064),
-               clamp(0.45 + 0.35 * broad + 0.35 * tuft, float(0.0), float(1.0))) * (1.0 + 0.4 * grain);
+               clamp(0.45 + 0.35 * broad + 0.35 * noise.z, float(0.0), float(1.0))) * (1.0 + 0.4 * grain);
   }
   if (m == 4) return vec3(0.235, 0.220, 0.195) * (1.0 + 0.10 * broad + 0.55 * grain);
   float seam = marking_dash_box(s, float(1.0), float(0.008), width_s);
   return vec3(0.360, 0.350, 0.330) * ((1.0 + 0.06 * broad + 0.12 * grain) * (1.0 - 0.6 * seam));
+}
+
+FN vec3 material_albedo(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(float) seed, IN(float) width_s,
+                        IN(float) width_t) {
+  return material_color(m, s, t, wheel, material_noise(s, t, seed, width_s, width_t), width_s, width_t);
 }

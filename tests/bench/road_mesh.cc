@@ -292,13 +292,14 @@ MeshScene::MeshScene(MeshScene&&) noexcept = default;
 MeshScene& MeshScene::operator=(MeshScene&&) noexcept = default;
 MeshScene::~MeshScene() = default;
 
-Result<MeshScene> MeshScene::create(const BaseScene& scene, std::span<const glm::dvec3> origins) {
+Result<MeshScene> MeshScene::create(const BaseScene& scene, std::span<const glm::dvec3> origins,
+                                    const std::string& road_fragment, const ShaderDefines& defines) {
   setenv("ROADGEN_SHADER_DIR", ROADGEN_SOURCE_DIR "/tests/bench/shaders", 0);
   auto ground = Program::graphics("terrain.vert", "terrain.frag");
   if (!ground) return ground.error();
   auto sky = Program::graphics("sky.vert", "sky.frag");
   if (!sky) return sky.error();
-  auto road = Program::graphics("road_mesh.vert", "road_mesh.frag");
+  auto road = Program::graphics("road_mesh.vert", road_fragment, defines);
   if (!road) return road.error();
   auto state = std::make_unique<State>();
   state->ground_program = std::move(*ground);
@@ -307,6 +308,11 @@ Result<MeshScene> MeshScene::create(const BaseScene& scene, std::span<const glm:
   state->origins.assign(origins.begin(), origins.end());
   state->upload(scene);
   return MeshScene(std::move(state));
+}
+
+void MeshScene::set_texture(glm::dvec2 size_m, int probes) {
+  state_->road_program.set("size", glm::vec2(size_m));
+  state_->road_program.set("probes", probes);
 }
 
 Status MeshScene::draw(const Camera& camera, int width, int height, int samples, unsigned target,

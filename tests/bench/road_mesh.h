@@ -5,8 +5,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "roadgen/render/camera.h"
+#include "roadgen/render/shader_source.h"
 #include "roadgen/road/result.h"
 #include "tests/bench/base_scene.h"
 
@@ -26,12 +28,17 @@ struct MeshMethod {
 
 class MeshScene {
  public:
-  // Errors: kShader.
-  static Result<MeshScene> create(const BaseScene& scene, std::span<const glm::dvec3> origins);
+  // road_fragment: of tests/bench/shaders. Errors: kShader.
+  static Result<MeshScene> create(const BaseScene& scene, std::span<const glm::dvec3> origins,
+                                  const std::string& road_fragment = "road_mesh.frag",
+                                  const ShaderDefines& defines = {});
   MeshScene(MeshScene&&) noexcept;
   MeshScene& operator=(MeshScene&&) noexcept;
   ~MeshScene();
 
+  // Uniforms of road_texture.frag, whose texture is unit 0's: its size along s and t, and
+  // with PROBES defined the greatest anisotropy.
+  void set_texture(glm::dvec2 size_m, int probes);
   // Requires: a Renderer has just drawn the same roads with the same camera and size in this context; its frame uniforms
   // and tables are still bound.
   Status draw(const Camera& camera, int width, int height, int samples, unsigned target, const MeshMethod& method);

@@ -1,25 +1,12 @@
-// A tessellated road shaded by the very functions of road.frag, which get (s, t) from the mesh.
-#define main cookie_cut
-#include "road.frag"
-#undef main
-
-in vec2 st;
-in vec3 left_and_grade;
+// A tessellated road, shaded as road.frag shades.
+#include "road_mesh.glsl"
 
 void main() {
   Spot spots[SPOTS];
-  Spot spot;
-  spot.s = st.x;
-  spot.t = st.y;
-  spot.p = vec2(0.0);
-  spot.position = relative;
-  spot.left = normalize(left_and_grade.xy);
-  spot.normal = normalize(vec3(-left_and_grade.z * vec2(spot.left.y, -spot.left.x), 1.0));
-  spot.s_step = vec2(dFdx(st.x), dFdy(st.x));
-  spot.t_step = vec2(dFdx(st.y), dFdy(st.y));
-  spot.on = true;
-  spots[0] = spot;
-  Pixel pixel = cross_section(spots);
+  spots[0] = mesh_spot();
+  Look looks[SPOTS];
+  looks[0] = look_at(spots[0]);
+  Pixel pixel = cross_section(spots, looks);
   if (!(pixel.coverage > 0.0)) discard;
   out_color = vec4(pixel.color / pixel.coverage, pixel.coverage);
 }
