@@ -237,13 +237,8 @@ void add_mark(inout Pixel pixel, float part, float under, vec3 under_color, vec3
   if (over > 0.5) pixel.label = 3.0;
 }
 
-float paint_part(uint row, Spot spot) {
-  vec4 place = paint_rows[2u * row];
-  vec4 kind = paint_rows[2u * row + 1u];
-  float s = spot.s - place.x;
-  float t = spot.t - place.y;
-  vec2 ss = spot.s_step;
-  vec2 ts = spot.t_step;
+// Part of the area that paint covers about (s, t) from the middle of the paint, with the changes of both per step.
+float paint_area(vec4 place, vec4 kind, float s, float t, vec2 ss, vec2 ts) {
   if (kind.x < 2.0) {
     float part = filter_band(s, -0.5 * place.z, 0.5 * place.z, ss.x, ss.y) *
                  filter_band(t, -0.5 * place.w, 0.5 * place.w, ts.x, ts.y);
@@ -259,6 +254,27 @@ float paint_part(uint row, Spot spot) {
   float ds = (marking_arrow(p.x + h, p.y, place.z, place.w, turn, both) - d) / h * way;
   float dt = (marking_arrow(p.x, p.y + h, place.z, place.w, turn, both) - d) / h * way;
   return filter_step(-d, ds * ss.x + dt * ts.x, ds * ss.y + dt * ts.y);
+}
+
+float paint_part(uint row, Spot spot) {
+  vec4 place = paint_rows[2u * row];
+  vec4 kind = paint_rows[2u * row + 1u];
+  float s = spot.s - place.x;
+  float t = spot.t - place.y;
+#ifdef CHANNELS
+  return paint_area(place, kind, s, t, vec2(0.0), vec2(0.0));
+#else
+  vec2 spread = vec2(abs(spot.s_step.x) + abs(spot.s_step.y), abs(spot.t_step.x) + abs(spot.t_step.y));
+  if (abs(s) > 0.5 * (place.z + spread.x) || abs(t) > 0.5 * (place.w + spread.y)) return 0.0;
+  // Corners are no half planes: eight parts of the pixel, two across and four up, where it is longest on the road.
+  float sum = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    vec2 at = vec2(float(i & 1) * 0.5 - 0.25, float(i >> 1) * 0.25 - 0.375);
+    sum += paint_area(place, kind, s + dot(spot.s_step, at), t + dot(spot.t_step, at), spot.s_step * vec2(0.5, 0.25),
+                      spot.t_step * vec2(0.5, 0.25));
+  }
+  return 0.125 * sum;
+#endif
 }
 
 #ifdef RELIEF
