@@ -78,6 +78,12 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, vec3 position) {
 }
 
 #ifdef RELIEF
+RoadSurface road_surface() {
+  return RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z, superelevation.x,
+                     superelevation.y, superelevation.z, superelevation.w, crossfall.x, crossfall.y, crossfall.z,
+                     crossfall.w);
+}
+
 // Keeps of the interval k the part where value + k slope >= 0.
 void clip_interval(inout vec2 k, float value, float slope) {
   float along = abs(slope) < 1e-9 ? (slope < 0.0 ? -1e-9 : 1e-9) : slope;
@@ -147,7 +153,10 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
   // A thousandth of a pixel, or half a millimetre.
   float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
   RoadHit hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, start, k.x, k.y, r);
-  if (hit.residual > tolerance) {
+  // Where Newton strays: a bracket, if the ray has its ends on both sides of the surface.
+  if (hit.residual > tolerance &&
+      surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, r) *
+              surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, r) < 0.0) {
     vec2 near = surface_bracket(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, r);
     hit = surface_intersect(from.x, from.y, from.z, toward.x, toward.y, toward.z, near.x, near.x, near.y, r);
   }
@@ -293,6 +302,39 @@ float left_of(Spot spots[SPOTS], int border, int level) {
   return filter_step(t, gradient.x, gradient.y);
 }
 
+#ifdef RELIEF
+// Where the ray meets a border's vertical face, between its places on the levels before and behind it.
+Spot face_spot(Spot before, Spot behind, int border) {
+  RoadSurface r = road_surface();
+  float d0 = before.t - section_border(ids.y, border, height.w + before.s);
+  float d1 = behind.t - section_border(ids.y, border, height.w + behind.s);
+  Spot face = before;
+  float w0 = 0.0;
+  float w1 = 1.0;
+  float w = 0.0;
+  float d = d0;
+  // False position: on a straight road the first is exact.
+  for (int i = 0; i < 4; ++i) {
+    w = abs(d0 - d1) < 1e-9 ? w0 : clamp(w0 + (w1 - w0) * d0 / (d0 - d1), w0, w1);
+    face.p = mix(before.p, behind.p, w);
+    RoadCoord c = road_project(face.p.x, face.p.y, r.a, r.b);
+    face.s = mix(before.s, behind.s, w);
+    face.t = c.v * r.chord / cos(road_cubic(face.s, r.e0, r.e1, r.e2, r.e3));
+    d = face.t - section_border(ids.y, border, height.w + face.s);
+    if (d * d0 > 0.0) {
+      w0 = w;
+      d0 = d;
+    } else {
+      w1 = w;
+      d1 = d;
+    }
+  }
+  face.position = mix(before.position, behind.position, w);
+  face.t -= d;
+  return face;
+}
+#endif
+
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
 // that no strip up to here has taken, as the far side of the last border bounds it.
 Pixel cross_section(Spot spots[SPOTS]) {
@@ -320,13 +362,7 @@ Pixel cross_section(Spot spots[SPOTS]) {
       float beyond = shift + flip * left_of(spots, border, near);
       float part = max(open - beyond, 0.0);
       if (part > 0.0) {
-        Spot face = SPOT(level);
-        float d0 = SPOT(level).t - section_border(ids.y, border, height.w + SPOT(level).s);
-        float d1 = SPOT(near).t - section_border(ids.y, border, height.w + SPOT(near).s);
-        float w = clamp(abs(d0 - d1) < 1e-9 ? 0.0 : d0 / (d0 - d1), 0.0, 1.0);
-        face.position = mix(SPOT(level).position, SPOT(near).position, w);
-        face.s = mix(SPOT(level).s, SPOT(near).s, w);
-        face.t -= d0;
+        Spot face = face_spot(SPOT(level), SPOT(near), border);
         face.normal = vec3(-flip * face.left, 0.0);
         add_part(pixel, part, strip_color(Strip(5, level, near, false, 0.0), face, face.t), face, face.normal, strip.lane,
                  2.0);
@@ -392,9 +428,7 @@ Pixel underside(Spot spots[SPOTS]) {
 
 void main() {
 #ifdef RELIEF
-  RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
-                              superelevation.x, superelevation.y, superelevation.z, superelevation.w, crossfall.x,
-                              crossfall.y, crossfall.z, crossfall.w);
+  RoadSurface r = road_surface();
   Ray ray = eye_ray(r);
   if (!(ray.k.x <= ray.k.y)) discard;
   int levels = int(section_rows[ids.y].y);

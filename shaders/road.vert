@@ -100,6 +100,9 @@ void main() {
     room.beside = max(room.beside, other.beside);
     room.beyond = max(room.beyond, other.beyond);
   }
+  // Every ray in the box is followed: no more than pays.
+  room.beside = min(room.beside, 25.0 / chord);
+  room.beyond = min(room.beyond, 2.0 * room.pixel / chord);
 #elif defined(CHANNELS)
   room.beyond = 1e-5;
 #endif
