@@ -75,6 +75,12 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, vec3 position) {
 }
 
 #ifdef RELIEF
+RoadSurface road_surface() {
+  return RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z, superelevation.x,
+                     superelevation.y, superelevation.z, superelevation.w, crossfall.x, crossfall.y, crossfall.z,
+                     crossfall.w);
+}
+
 // Keeps of the interval k the part where value + k slope >= 0.
 void clip_interval(inout vec2 k, float value, float slope) {
   float along = abs(slope) < 1e-9 ? (slope < 0.0 ? -1e-9 : 1e-9) : slope;
@@ -253,13 +259,8 @@ void add_mark(inout Pixel pixel, float part, float under, vec3 under_color, vec3
   if (over > 0.5) pixel.label = 3.0;
 }
 
-float paint_part(uint row, Spot spot) {
-  vec4 place = paint_rows[2u * row];
-  vec4 kind = paint_rows[2u * row + 1u];
-  float s = spot.s - place.x;
-  float t = spot.t - place.y;
-  vec2 ss = spot.s_step;
-  vec2 ts = spot.t_step;
+// Part of the area that paint covers about (s, t) from the middle of the paint, with the changes of both per step.
+float paint_area(vec4 place, vec4 kind, float s, float t, vec2 ss, vec2 ts) {
   if (kind.x < 2.0) {
     float part = filter_band(s, -0.5 * place.z, 0.5 * place.z, ss.x, ss.y) *
                  filter_band(t, -0.5 * place.w, 0.5 * place.w, ts.x, ts.y);
@@ -275,6 +276,27 @@ float paint_part(uint row, Spot spot) {
   float ds = (marking_arrow(p.x + h, p.y, place.z, place.w, turn, both) - d) / h * way;
   float dt = (marking_arrow(p.x, p.y + h, place.z, place.w, turn, both) - d) / h * way;
   return filter_step(-d, ds * ss.x + dt * ts.x, ds * ss.y + dt * ts.y);
+}
+
+float paint_part(uint row, Spot spot) {
+  vec4 place = paint_rows[2u * row];
+  vec4 kind = paint_rows[2u * row + 1u];
+  float s = spot.s - place.x;
+  float t = spot.t - place.y;
+#ifdef CHANNELS
+  return paint_area(place, kind, s, t, vec2(0.0), vec2(0.0));
+#else
+  vec2 spread = vec2(abs(spot.s_step.x) + abs(spot.s_step.y), abs(spot.t_step.x) + abs(spot.t_step.y));
+  if (abs(s) > 0.5 * (place.z + spread.x) || abs(t) > 0.5 * (place.w + spread.y)) return 0.0;
+  // Corners are no half planes: eight parts of the pixel, two across and four up, where it is longest on the road.
+  float sum = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    vec2 at = vec2(float(i & 1) * 0.5 - 0.25, float(i >> 1) * 0.25 - 0.375);
+    sum += paint_area(place, kind, s + dot(spot.s_step, at), t + dot(spot.t_step, at), spot.s_step * vec2(0.5, 0.25),
+                      spot.t_step * vec2(0.5, 0.25));
+  }
+  return 0.125 * sum;
+#endif
 }
 
 // Only DETAILED roads have more than one level, and paint.
@@ -296,10 +318,13 @@ struct Corner {
 
 float border_t(Corner corner, Spot spot) { return section_border(ids.y, corner.border, height.w + spot.s); }
 
-// Part of the pixel that passes the corner on its left.
+// Part of the pixel that passes the corner on its left. On a plane not t but t / depth is linear in the picture: its
+// gradient at the pixel is that of t and of 1 / depth, weighted.
 float left_of(Spot spots[SPOTS], Corner corner) {
   Spot spot = SPOT(corner.level);
-  return filter_step(spot.t + spot.missed - border_t(corner, spot), spot.t_step.x, spot.t_step.y);
+  float t = spot.t + spot.missed - border_t(corner, spot);
+  vec2 gradient = spot.t_step + t * spot.w_step;
+  return filter_step(t, gradient.x, gradient.y);
 }
 
 // Where the ray meets the strip or the vertical face between two corners.
@@ -310,22 +335,38 @@ Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
     Spot other = SPOT(far.level);
     float border = border_t(near, spot);
     float width = border_t(far, other) - border;
-    // Between the two levels height and t change evenly along the ray.
-    float closing = width - (other.t - spot.t);
-    float w = clamp(abs(closing) < 1e-9 ? 0.0 : (spot.t - border) / closing, 0.0, 1.0);
-    float rise = section_rows[ids.y + 1u][far.level] - section_rows[ids.y + 1u][near.level];
-    float side = dot(spot.left, spot.position.xy) >= 0.0 ? -1.0 : 1.0;
-    // On this segment where the ray goes from one side of it to the other; with both levels at hand also in the pixels
-    // that it covers in part.
     float near_h = section_rows[ids.y + 1u][near.level];
-    bool both = spot.on && other.on;
-    spot.on = both || ((spot.h - near_h) * width - (spot.t - border) * rise) *
-                  ((other.h - near_h) * width - (other.t - border) * rise) <= 0.0;
+    float rise = section_rows[ids.y + 1u][far.level] - near_h;
+    float side = dot(spot.left, spot.position.xy) >= 0.0 ? -1.0 : 1.0;
+    // Which side of it the ray is on, at both levels.
+    float g0 = (spot.h - near_h) * width - (spot.t - border) * rise;
+    float g1 = (other.h - near_h) * width - (other.t - border) * rise;
+    // On this segment where the ray goes from one side to the other; with both levels at hand also in the pixels that
+    // it covers in part.
+    spot.on = (spot.on && other.on) || g0 * g1 <= 0.0;
+    // False position; on a straight road the first is exact.
+    RoadSurface r = road_surface();
+    Spot first = spot;
+    float w0 = 0.0;
+    float w1 = 1.0;
+    for (int i = 0; i < 4; ++i) {
+      float w = abs(g0 - g1) < 1e-9 ? w0 : clamp(w0 + (w1 - w0) * g0 / (g0 - g1), w0, w1);
+      spot.p = mix(first.p, other.p, w);
+      spot.s = mix(first.s, other.s, w);
+      spot.h = mix(first.h, other.h, w);
+      spot.position = mix(first.position, other.position, w);
+      spot.t = road_project(spot.p.x, spot.p.y, r.a, r.b).v * r.chord / cos(road_cubic(spot.s, r.e0, r.e1, r.e2, r.e3));
+      float g = (spot.h - near_h) * width - (spot.t - border_t(near, spot)) * rise;
+      if (g * g0 > 0.0) {
+        w0 = w;
+        g0 = g;
+      } else {
+        w1 = w;
+        g1 = g;
+      }
+    }
     spot.normal = abs(width) < 1e-6 ? vec3(side * spot.left, 0.0)
                                     : normalize(spot.normal - vec3(rise / width * spot.left, 0.0));
-    spot.position = mix(spot.position, other.position, w);
-    spot.s = mix(spot.s, other.s, w);
-    spot.t = mix(spot.t, other.t, w);
   }
 #endif
   return spot;
@@ -427,9 +468,7 @@ Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
 
 void main() {
 #ifdef RELIEF
-  RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
-                              superelevation.x, superelevation.y, superelevation.z, superelevation.w, crossfall.x,
-                              crossfall.y, crossfall.z, crossfall.w);
+  RoadSurface r = road_surface();
   Ray ray = eye_ray(r);
   if (!(ray.k.x <= ray.k.y)) discard;
   Spot spots[SPOTS];

@@ -54,8 +54,11 @@ Room room_at(vec3 start, float rise, bool at_end, bool at_left) {
   float x = at_end ? 1.0 - in_shape.w * y : -in_shape.z * y;
   vec3 corner = start + vec3(chord * (ahead * x + aside * y), rise * x);
   float away = length(corner);
-  vec2 seen = vec2(dot(corner.xy, ahead), dot(corner.xy, aside)) / away;
-  vec2 slant = max(sqrt(max(1.0 - seen * seen, 0.0)), 0.003);
+  // Of a step from a line on the ground, straight away from it, what is seen as distance from it: all where the line runs
+  // toward the eye, the sine of the elevation where it runs across. x: for the lines across the road, y: along it.
+  float sine = max(abs(corner.z) / away, 0.003);
+  vec2 view = abs(vec2(dot(corner.xy, aside), dot(corner.xy, ahead))) / away;
+  vec2 slant = sine / sqrt(view.yx * view.yx + view * view * sine * sine);
   Room room;
   room.pixel = right.w * away;
   room.beside = clamp(2.0 * room.pixel / slant.y, 0.02, 200.0) / chord;
@@ -98,6 +101,9 @@ void main() {
     room.beside = max(room.beside, other.beside);
     room.beyond = max(room.beyond, other.beyond);
   }
+  // Every ray in the box is followed: no more than pays.
+  room.beside = min(room.beside, 25.0 / chord);
+  room.beyond = min(room.beyond, 2.0 * room.pixel / chord);
 #elif defined(CHANNELS)
   room.beyond = 1e-5;
 #endif

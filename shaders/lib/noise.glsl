@@ -2,7 +2,6 @@
 // period in double precision before they reach the GPU, and a world far from its origin looks the same.
 
 #define NOISE_PERIOD 4096.0
-#define NOISE_CELLS 8.0
 
 // A bijective mixer of 32 bits (multiply-xorshift; constants by C. Wellons, public domain, hash-prospector).
 FN uint noise_hash(IN(uint) x) {
@@ -114,7 +113,7 @@ FN float noise_fractal_box(IN(float) x, IN(float) y, IN(float) wavelength, IN(in
   float length_m = wavelength;
   for (int octave = 0; octave < octaves; ++octave) {
     float cells = max(width_x / length_m, float(1.0)) * max(width_y / length_m, float(1.0));
-    float band = clamp(2.0 - cells / NOISE_CELLS, float(0.0), float(1.0));
+    float band = clamp(2.0 - 0.125 * cells, float(0.0), float(1.0));
     if (band > 0.0) sum += weight * band * noise_value_box(x, y, length_m, width_x, width_y);
     weight *= gain;
     length_m *= 0.5;

@@ -329,8 +329,10 @@ TEST_P(CoverageTest, EveryPixelIsTheMeanOverItsArea) {
   overall[1].print(s.name, 4);
   for (const Figures& figures : overall) {
     EXPECT_GT(figures.mixed, 300u);
-    EXPECT_LE(figures.coverage_mean(), 0.035);
-    EXPECT_GE(figures.right(), 0.80);
+    EXPECT_LE(figures.coverage_mean(), 0.02);
+    // What is off beyond it: crests, seen against the sky or against the road behind them, which end in whole pixels; the
+    // far row of pixels that many segments share; noise where the pixel lies askew to the road.
+    EXPECT_GE(figures.right(), 0.992);
   }
 }
 
@@ -359,7 +361,8 @@ TEST_P(CoverageTest, DepthLiesOnTheLanes) {
     }
     std::printf("%-18s height: worst %.2f of max(pixel / 1000, 1 mm), %.2e m (%d, %d); beyond it %zu of %zu\n",
                 (s.name + " " + view.name).c_str(), worst, worst_m, worst_at.x, worst_at.y, beyond, compared);
-    EXPECT_LE(worst, 12) << view.name;
+    // Raised strips that are seen beyond a joint are extended straight from it, up to where a grazing ray comes down.
+    EXPECT_LE(worst, s.name == "Town" && view.name == "grazing" ? 20 : s.name == "Town" ? 5 : 1) << view.name;
   }
 }
 

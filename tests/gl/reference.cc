@@ -76,6 +76,9 @@ struct Place {
   int strip = -1;
   double lane_height = 0;
   State state = State::kBesideAbove;
+
+  // Between two that are not there is something to look at: a surface, or a strip's edge, whose corner a ray may clip.
+  bool is_like(const Place& o) const { return state == o.state && strip == o.strip; }
 };
 
 struct Hit {
@@ -122,7 +125,7 @@ class Walk {
   static constexpr double kStep_m = 2;
   static constexpr double kGreatestCurvature = 0.03;  // 1/8 of the surface's greatest along any line, with room
   static constexpr double kFine_m = 0.25;             // finer steps near the surface
-  static constexpr double kFineAcross_m = 0.02;       // and across, where lanes are raised
+  static constexpr double kFineAcross_m = 0.1;        // and across, where lanes are raised: below any strip's width
 
   // The part of the ray over the segment: all bounds are planes.
   bool clip(double& near, double& far) const {
@@ -187,11 +190,11 @@ class Walk {
     Place before = start;
     for (int i = 1; i <= steps; ++i) {
       const Place after = i == steps ? end : at(start.k + (end.k - start.k) * i / steps);
-      while (before.state != after.state) {
+      while (!before.is_like(after)) {
         Place low = before, high = after;
         for (int j = 0; j < 48 && high.k - low.k > 1e-12 * high.k; ++j) {
           const Place middle = at(0.5 * (low.k + high.k));
-          (middle.state == before.state ? low : high) = middle;
+          (middle.is_like(before) ? low : high) = middle;
         }
         if (auto hit = crossing(low, high)) return hit;
         before = high;
@@ -201,7 +204,7 @@ class Walk {
     return std::nullopt;
   }
 
-  // What lies between two places of different states that are next to each other.
+  // What lies between two places that are next to each other but not alike.
   std::optional<Hit> crossing(const Place& low, const Place& high) const {
     const bool enters = high.state == State::kInside || (low.state == State::kAbove && high.state == State::kBelow);
     const bool rises = low.state == State::kBelow && (high.state == State::kAbove || high.state == State::kInside);
