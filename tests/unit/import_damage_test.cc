@@ -38,6 +38,7 @@ TEST(Damage, OpenDriveGivesANetworkOrAnError) {
   road.id = "1";
   road.segments = {make_segment({0, 0}, {100, 0}, 0.1, -0.1, 3.5), make_segment({100, 0}, {180, -20}, -0.1, -0.3, 3.5)};
   chain_arc_lengths(road);
+  two_lane_sections(road);
   Road loop;
   loop.id = "2";
   loop.closed = true;
@@ -47,6 +48,7 @@ TEST(Damage, OpenDriveGivesANetworkOrAnError) {
   }
   loop.segments.back().end_m = loop.segments.front().start_m;
   chain_arc_lengths(loop);
+  two_lane_sections(loop);
   network.roads = {road, loop};
   const std::string text = *opendrive_text(network);
 

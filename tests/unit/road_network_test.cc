@@ -25,6 +25,7 @@ Road ring(double radius_m, bool closed) {
                                          to + M_PI / 2, 3));
   }
   chain_arc_lengths(road);
+  two_lane_sections(road);
   for (Segment& s : road.segments) {
     const double omega = 2 * M_PI / (road.segments[0].arc_m * kSegments), s1 = s.s_start_m + s.arc_m;
     s.elevation_m = Cubic::hermite(std::sin(omega * s.s_start_m), omega * std::cos(omega * s.s_start_m),
