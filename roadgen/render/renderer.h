@@ -66,7 +66,8 @@ class Renderer {
   ~Renderer();
 
   // Replaces what is drawn. Cost: one upload; kBytesPerSegment on the GPU.
-  // Errors: kContext where the context cannot be made current.
+  // Errors: kData with the road, where a number is not finite, or a segment has no length or no lane section; kContext
+  // where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
   void set_lighting(const Lighting& lighting);
