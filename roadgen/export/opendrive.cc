@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "roadgen/export/atomic_file.h"
+#include "roadgen/road/crossfall.h"
 
 namespace roadgen {
 namespace {
@@ -110,12 +111,6 @@ void write_elevation(Writer& out, const Road& road) {
     write_cubic(out, segment.elevation_m);
   }
   out.raw("    </elevationProfile>\n");
-}
-
-// Slope in the tilted cross section, as <shape> has it, of one against the horizontal.
-double tilted_fall(double fall, double superelevation_rad, double side) {
-  const double e = side * std::clamp(superelevation_rad, -1.4, 1.4);
-  return std::tan(std::clamp(e - std::atan(std::tan(e) - fall), -1.4, 1.4));
 }
 
 // Two straight pieces across: the first from the right edge, or 1 m from the reference line where that is nearer.

@@ -214,7 +214,7 @@ std::optional<Segment> Reader::exact_segment(pugi::xml_node node, const PlanCurv
     return {};
   }
   Segment segment = *rounded;
-  if (glm::length(glm::dvec2(chord[0], chord[1]) - segment.start_m) < 10 * kSamePlace_m) return segment;
+  if (!(glm::length(glm::dvec2(chord[0], chord[1]) - segment.start_m) > 0)) return segment;
   segment.end_m = {chord[0], chord[1]};
   segment.slope_start = chord[2];
   segment.slope_end = chord[3];

@@ -63,18 +63,20 @@ class Divider {
     piece.p0 = p0;
     piece.p1 = p1;
     const bool follows = is_followed(piece);
-    const bool last = depth == kMostHalvings;
-    if (follows && (last || is_certified(piece.segment))) {
+    const double length_m = curve_.arc_m(p0, p1);
+    if (follows && (length_m < kLeastCertified_m || is_certified(piece.segment))) {
       pieces_.push_back(piece);
       return true;
     }
-    if (last) return false;
+    if (depth == kMostHalvings || length_m < kLeastFollowed_m) return false;
     const double middle = 0.5 * (p0 + p1);
     return run(p0, middle, depth + 1) && run(middle, p1, depth + 1);
   }
 
  private:
-  static constexpr int kMostHalvings = 30;
+  static constexpr int kMostHalvings = 40;
+  // Shorter pieces are not halved for a road that is too wide for its bend, nor for a curve that turns within them.
+  static constexpr double kLeastCertified_m = 1, kLeastFollowed_m = 2e-3;
   // Tangents further off the chord than this (cosine) make no good segment.
   static constexpr double kLeastCosine = 0.25;
   // A piece that is straighter than this gains nothing from halving where the half width exceeds its radius.

@@ -57,7 +57,8 @@ inline constexpr double kPlanArcTolerance_m = 1e-6;
 
 // Appends the part p0 <= p <= p1, halved until each piece is within kPlanTolerance_m and kPlanArcTolerance_m of the
 // curve, and certified for the half width (or nearly straight and tighter than the half width allows, where halving
-// gains nothing). A graph over its chord is taken whole. False where the curve stops or reverses on the spot.
+// gains nothing, or shorter than 1 m). A graph over its chord is taken whole. False where the curve stops, reverses or
+// turns within 2 mm.
 // Cost: O(pieces).
 bool divide_curve(const PlanCurve& curve, double p0, double p1, double half_width_m, std::vector<CurvePiece>& pieces);
 

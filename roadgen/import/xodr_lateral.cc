@@ -2,13 +2,10 @@
 
 #include <pugixml.hpp>
 
+#include "roadgen/road/crossfall.h"
+
 namespace roadgen {
 namespace {
-
-// Steepest tilt of the cross section that is told from upright.
-constexpr double kSteepest_rad = 1.4;
-
-double tilt(double angle_rad) { return std::tan(std::clamp(angle_rad, -kSteepest_rad, kSteepest_rad)); }
 
 // At a station one record ends and the next begins.
 enum class Limit { kBefore, kAfter };
@@ -32,7 +29,7 @@ class Across {
 
   double height_m(double s_m, double t_m, Limit limit) const {
     const Cubic& fall = t_m > 0 ? left_rad_ : right_rad_;
-    return shape_m(s_m, t_m, limit) - std::abs(t_m) * tilt(fall.value(s_m - from_m_));
+    return shape_m(s_m, t_m, limit) - std::abs(t_m) * tilt_slope(fall.value(s_m - from_m_));
   }
 
   // The slope, falling outward, of the least-squares line over the side from t = 0 to edge_m.
@@ -69,31 +66,31 @@ class Across {
   Cubic left_rad_, right_rad_;
 };
 
-// Slopes across, falling outward: of the file in the tilted cross section, ours against the horizontal.
-double level_fall(double fall, double superelevation_rad, double side) {
-  const double e = side * std::clamp(superelevation_rad, -kSteepest_rad, kSteepest_rad);
-  return std::tan(e) - tilt(e - std::atan(fall));
-}
-double tilted_fall(double fall, double superelevation_rad, double side) {
-  const double e = side * std::clamp(superelevation_rad, -kSteepest_rad, kSteepest_rad);
-  return tilt(e - std::atan(std::tan(e) - fall));
-}
-
 // Where to look at the side: its edge, or 1 m where there is less.
 double edge_at(const Segment& segment, double s_m, double side) {
   return side > 0 ? std::max(segment.left_m.value(s_m), 1.0) : std::min(segment.right_m.value(s_m), -1.0);
 }
 
-// Our own files carry the slopes unrounded; true where they count.
-bool take_exact_crossfall(XodrSource& source, const XodrLateral& lateral, double from_m, Segment& segment) {
+// What the file's slopes are at both ends of a segment, in the tilted cross section.
+struct Falls {
+  double left0, left1, right0, right1;
+};
+
+// Our own files carry the slopes unrounded; true where they are those of the shape.
+bool take_exact_crossfall(XodrSource& source, const XodrLateral& lateral, double from_m, const Falls& file,
+                          Segment& segment) {
   const auto at = std::find_if(lateral.exact.begin(), lateral.exact.end(),
                                [&](const auto& record) { return std::abs(record.s_m - from_m) <= kSamePlace_m; });
   if (at == lateral.exact.end()) return false;
   const Linear left{at->value[0], at->value[1]}, right{at->value[2], at->value[3]};
-  const auto same = [&](const Linear& a, const Linear& b) {
-    return std::abs(a.c0 - b.c0) <= 1e-6 && std::abs(a.value(segment.arc_m) - b.value(segment.arc_m)) <= 1e-6;
+  const auto same = [&](const Linear& exact, double side, double fall0, double fall1) {
+    const auto differs = [&](double local, double fall) {
+      const double written = tilted_fall(exact.value(local), segment.superelevation_rad.value(local), side);
+      return !(std::abs(written - fall) <= 1e-6 * (1 + std::abs(fall)));
+    };
+    return !differs(0, fall0) && !differs(segment.arc_m, fall1);
   };
-  if (!same(left, segment.crossfall_left) || !same(right, segment.crossfall_right)) {
+  if (!same(left, 1, file.left0, file.left1) || !same(right, -1, file.right0, file.right1)) {
     source.note(at->line, "userData roadgen:crossfall does not agree with the shape, which is used");
     return false;
   }
@@ -187,14 +184,16 @@ double set_lateral(XodrSource& source, const XodrLateral& lateral, const Station
   if (lateral.crossfall_left.empty() && lateral.crossfall_right.empty() && lateral.shapes.empty()) return 0;
 
   const Across across(lateral, stations, from_m);
-  const auto level = [&](double side) {
-    const double e0 = segment.superelevation_rad.c0, e1 = segment.superelevation_rad.value(arc);
-    const double fall0 = level_fall(across.fall(from_m, edge_at(segment, 0, side), Limit::kAfter), e0, side);
-    const double fall1 = level_fall(across.fall(to_m, edge_at(segment, arc, side), Limit::kBefore), e1, side);
-    return Linear{fall0, (fall1 - fall0) / arc};
+  const auto fall_before = [&](double side) { return across.fall(to_m, edge_at(segment, arc, side), Limit::kBefore); };
+  const auto fall_after = [&](double side) { return across.fall(from_m, edge_at(segment, 0, side), Limit::kAfter); };
+  const Falls file{fall_after(1), fall_before(1), fall_after(-1), fall_before(-1)};
+  const auto level = [&](double side, double fall0, double fall1) {
+    const double level0 = level_fall(fall0, segment.superelevation_rad.c0, side);
+    const double level1 = level_fall(fall1, segment.superelevation_rad.value(arc), side);
+    return Linear{level0, (level1 - level0) / arc};
   };
-  segment.crossfall_left = level(1);
-  segment.crossfall_right = level(-1);
+  segment.crossfall_left = level(1, file.left0, file.left1);
+  segment.crossfall_right = level(-1, file.right0, file.right1);
   const auto lift = [&](double s, double local, Limit limit) {
     return across.height_m(s, 0, limit) * std::cos(segment.superelevation_rad.value(local));
   };
@@ -211,7 +210,7 @@ double set_lateral(XodrSource& source, const XodrLateral& lateral, const Station
     source.fail(ErrorCode::kData, lateral.first_line(), "the crossfall or shape is beyond 1e6");
     return 0;
   }
-  if (take_exact_crossfall(source, lateral, from_m, segment)) return 0;
+  if (take_exact_crossfall(source, lateral, from_m, file, segment)) return 0;
   return deviation_m(across, segment, from_m, to_m);
 }
 
