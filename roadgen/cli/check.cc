@@ -34,9 +34,8 @@ std::string describe(const CheckReport& report, const Network& network) {
 
 int run_check(const Arguments& arguments) {
   CLI::App app(
-      "Checks continuity at every joint, the mapping bound of every segment, widths and elevation. JSON on "
-      "standard "
-      "output; exit code 1 where there are problems.",
+      "Checks continuity at every joint, the mapping bound of every segment, lanes, profiles, bends and paint. JSON on "
+      "standard output; exit code 1 where there are problems.",
       kName);
   std::string path, report_path;
   app.add_option("NET", path, "OpenDRIVE file")->required();

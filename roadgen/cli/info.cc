@@ -1,4 +1,6 @@
 // roadgen info: what a network holds, as JSON.
+#include <algorithm>
+
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -11,16 +13,42 @@ namespace {
 constexpr const char* kName = "roadgen info";
 using Json = nlohmann::ordered_json;
 
+// How many lanes lie side by side where there are most of them: of any type, and for vehicles that drive.
+struct LaneCount {
+  std::size_t all = 0, driving = 0;
+};
+LaneCount lanes_of(const Road& road) {
+  LaneCount most;
+  for (const LaneSection& section : road.sections) {
+    std::size_t driving = 0;
+    for (const auto* side : {&section.left, &section.right}) {
+      driving += static_cast<std::size_t>(
+          std::count_if(side->begin(), side->end(), [](const Lane& lane) { return lane.type == LaneType::kDriving; }));
+    }
+    most.all = std::max(most.all, section.left.size() + section.right.size());
+    most.driving = std::max(most.driving, driving);
+  }
+  return most;
+}
+
 Json describe(const Network& network) {
   Json roads = Json::array();
   double length_m = 0;
+  LaneCount lanes;
   for (const Road& road : network.roads) {
     length_m += road.length_m();
+    const LaneCount most = lanes_of(road);
+    lanes.all += most.all;
+    lanes.driving += most.driving;
     roads.push_back({{"id", road.id},
                      {"name", road.name},
                      {"closed", road.closed},
                      {"length_m", road.length_m()},
-                     {"segments", road.segments.size()}});
+                     {"segments", road.segments.size()},
+                     {"lanes", most.all},
+                     {"driving_lanes", most.driving},
+                     {"lane_sections", road.sections.size()},
+                     {"paint", road.paint.size()}});
   }
   const Bounds box = bounds(network);
   Json georeference = nullptr;
@@ -29,12 +57,12 @@ Json describe(const Network& network) {
                     {"longitude_deg", origin->longitude_deg},
                     {"height_m", origin->height_m}};
   }
-  // One driving lane on each side of every road.
   return {
       {"name", network.name},
       {"roads", network.roads.size()},
       {"segments", network.segment_count()},
-      {"lanes", 2 * network.roads.size()},
+      {"lanes", lanes.all},
+      {"driving_lanes", lanes.driving},
       {"junctions", 0},
       {"length_m", length_m},
       {"bounds",

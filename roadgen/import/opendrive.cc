@@ -1,63 +1,51 @@
 #include "roadgen/import/opendrive.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
-#include <map>
 #include <optional>
 #include <pugixml.hpp>
 #include <set>
 #include <vector>
 
-#include "roadgen/import/param_poly3.h"
-#include "roadgen/import/text_file.h"
+#include "roadgen/import/plan_curve.h"
+#include "roadgen/import/xodr_lanes.h"
+#include "roadgen/import/xodr_lateral.h"
+#include "roadgen/import/xodr_objects.h"
 
 namespace roadgen {
 namespace {
 
-// Files write s and coordinates with few digits: what counts as the same place.
-constexpr double kSamePlace_m = 1e-6;
-// Greatest break in s from one geometry to the next.
+// Greatest break in s from one geometry to the next; less than kLeastPiece_m.
 constexpr double kSameStation_m = 1e-3;
-constexpr double kGreatestProfile_m = 1e6;
+constexpr double kGreatest_m = 1e9;
+// A spiral or arc that turns more often than this is a mistake.
+constexpr double kMostTurning_rad = 100;
+// What a foreign curve is certified for where its road is narrower.
+constexpr double kLeastHalfWidth_m = 0.5;
 
-// A record of a profile: the cubic holds from s_m on, in ds = s - s_m.
-struct Record {
-  double s_m = 0;
-  Cubic cubic;
-  int line = 0;
-};
+double wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * M_PI); }
 
-// A segment with where the file says it starts and how long it is.
-struct Placed {
-  Segment segment;
-  double s_m = 0, length_m = 0;
-};
+// How far a foreign file's geometries may miss one another at a joint that is closed.
+constexpr double kClosedGap_m = 0.01;
+constexpr double kClosedTurn_rad = 1e-3;
 
-// Moves the end onto the next anchor where only rounding keeps them apart.
-void join_end(Segment& segment, glm::dvec2 next_m) {
-  const double gap_m = glm::length(segment.end_m - next_m);
-  if (gap_m == 0 || gap_m > kSamePlace_m || glm::length(next_m - segment.start_m) < 10 * kSamePlace_m) return;
-  segment.end_m = next_m;
+// Moves the end onto the next segment's start, and its heading onto the next one's, where they are closer than this; the
+// heading at the segment's own start stays. Returns the gap that was closed.
+double join_end(Segment& segment, const Segment& next, double most_m, double most_rad) {
+  const double gap_m = glm::length(segment.end_m - next.start_m), length_m = segment.chord_length_m();
+  const double start_rad = heading_rad(segment, 0), end_rad = heading_rad(segment, 1);
+  const double turn_rad = wrapped(heading_rad(next, 0) - end_rad);
+  const bool turns = std::abs(turn_rad) > 1e-12 && std::abs(turn_rad) <= most_rad;
+  if (gap_m > most_m || gap_m > 0.1 * length_m || (gap_m == 0 && !turns)) return 0;
+  segment.end_m = next.start_m;
+  const glm::dvec2 chord = segment.chord_m();
+  const double chord_rad = std::atan2(chord.y, chord.x);
+  segment.slope_start = std::tan(start_rad - chord_rad);
+  segment.slope_end = std::tan(end_rad + (turns ? turn_rad : 0) - chord_rad);
   set_arc(segment);
-}
-
-std::vector<double> numbers_in(std::string_view text) {
-  std::vector<double> numbers;
-  while (!(text = trimmed(text)).empty()) {
-    const std::size_t end = std::min(text.find(' '), text.size());
-    const std::optional<double> x = parse_number(text.substr(0, end));
-    if (!x || !std::isfinite(*x)) return {};
-    numbers.push_back(*x);
-    text.remove_prefix(end);
-  }
-  return numbers;
-}
-
-std::string user_data(pugi::xml_node parent, const char* code) {
-  return parent.find_child_by_attribute("userData", "code", code).attribute("value").value();
+  return gap_m;
 }
 
 // Value of +KEY=VALUE in a PROJ string.
@@ -69,106 +57,61 @@ std::string proj_value(std::string_view proj, std::string_view key) {
   return std::string(rest.substr(0, rest.find_first_of(" \t\r\n")));
 }
 
-// Reads one document. The first error stops everything: each step returns early once error_ is set.
+// A <geometry> of the file.
+struct Geometry {
+  double s_m = 0, length_m = 0;
+  PlanCurve curve = Clothoid{};
+  double arc_m = 0;            // of the curve
+  std::optional<Segment> own;  // written by us, unrounded
+  int line = 0;
+};
+
+// A segment and the stretch [from_m, to_m] of the file's s that it stands for; length_m by its geometry.
+struct Placed {
+  Segment segment;
+  double from_m = 0, to_m = 0, length_m = 0;
+  bool own = false;  // written by us
+};
+
+// Reads one document. The first error stops everything: each step returns early once the source has failed.
 class Reader {
  public:
-  Reader(std::string_view text, std::string file) : text_(text), lines_(text), file_(std::move(file)) {}
+  Reader(std::string_view text, std::string file) : text_(text), source_(text, std::move(file)) {}
 
   Result<Network> read(Diagnostics* diagnostics);
 
  private:
-  // Errors and notes.
-  bool failed() const { return error_.has_value(); }
-  void fail(ErrorCode code, pugi::xml_node where, std::string message) {
-    if (!error_) error_ = Error{code, std::move(message), file_, line(where), element_};
-  }
-  void unsupported(pugi::xml_node where, const std::string& what) {
-    fail(ErrorCode::kData, where, what + " not supported yet");
-  }
-  void note(pugi::xml_node where, const std::string& what);
-  int line(pugi::xml_node node) const { return lines_.line(node.offset_debug()); }
-
-  // Attributes and children; missing or malformed ones are errors.
-  double number(pugi::xml_node node, const char* name);
-  std::string word(pugi::xml_node node, const char* name);
-  Cubic cubic(pugi::xml_node node);
-  pugi::xml_node child(pugi::xml_node node, const char* name);
+  bool failed() const { return source_.failed(); }
 
   void read_header(pugi::xml_node header);
   void read_origin(pugi::xml_node header);
   void read_road(pugi::xml_node node);
+  void note_unkept(pugi::xml_node node);
   void read_links(pugi::xml_node node, Road& road);
-  void refuse_lateral(pugi::xml_node node);
-  Placed read_geometry(pugi::xml_node node);
-  ParametricCubic read_shape(pugi::xml_node node, double heading_rad, double length_m);
-  void take_exact_chord(pugi::xml_node node, Segment& segment);
-  std::vector<Placed> read_plan(pugi::xml_node node);
-  std::vector<Record> read_records(pugi::xml_node parent, const char* name, const char* position);
-  std::vector<Record> read_widths(pugi::xml_node node);
-  std::vector<Record> read_lane(pugi::xml_node side, const char* id);
-  void refuse_lane_offset(pugi::xml_node lanes);
-  Cubic profile_over(const std::vector<Record>& records, const Placed& placed, const char* what);
-  void close_loop(pugi::xml_node node, Road& road);
-
-  struct Note {
-    int line;
-    std::string element;
-    int count;
-  };
+  std::optional<PlanCurve> read_shape(pugi::xml_node node, double heading_rad, double length_m);
+  std::optional<PlanCurve> read_param_poly3(pugi::xml_node shape, glm::dvec2 start_m, double heading_rad,
+                                            double length_m);
+  std::optional<Segment> exact_segment(pugi::xml_node node, const PlanCurve& curve);
+  Geometry read_geometry(pugi::xml_node node);
+  std::vector<Geometry> read_plan(pugi::xml_node node);
+  std::vector<Placed> place(const std::vector<Geometry>& plan, const Stations& stations,
+                            const std::vector<LaneSection>& sections);
+  void join(std::vector<Placed>& placed, bool closed, pugi::xml_node node);
+  void take_sections(Road& road, const std::vector<Placed>& placed, std::vector<LaneSection> sections, double end_m);
+  void set_profiles(Road& road, const std::vector<Placed>& placed, const Profile& heights, const XodrLateral& lateral,
+                    const Stations& stations);
 
   std::string_view text_;
-  LineIndex lines_;
-  std::string file_, element_;
-  std::optional<Error> error_;
-  std::map<std::string, Note> notes_;
+  XodrSource source_;
   Network network_;
 };
 
-void Reader::note(pugi::xml_node where, const std::string& what) {
-  const auto [at, is_new] = notes_.try_emplace(what, Note{0, element_, 0});
-  if (is_new) at->second.line = line(where);
-  ++at->second.count;
-}
-
-double Reader::number(pugi::xml_node node, const char* name) {
-  const pugi::xml_attribute attribute = node.attribute(name);
-  const std::string tag = std::string("<") + node.name() + ">";
-  if (!attribute) {
-    fail(ErrorCode::kParse, node, tag + " lacks the attribute " + name);
-    return 0;
-  }
-  const std::optional<double> value = parse_number(attribute.value());
-  if (!value || !std::isfinite(*value)) {
-    fail(ErrorCode::kParse, node,
-         tag + " has " + name + "=\"" + attribute.value() + "\", which is not a finite number");
-    return 0;
-  }
-  return *value;
-}
-
-std::string Reader::word(pugi::xml_node node, const char* name) {
-  const pugi::xml_attribute attribute = node.attribute(name);
-  if (!attribute || !*attribute.value()) {
-    fail(ErrorCode::kParse, node, std::string("<") + node.name() + "> lacks the attribute " + name);
-  }
-  return attribute.value();
-}
-
-Cubic Reader::cubic(pugi::xml_node node) {
-  return {number(node, "a"), number(node, "b"), number(node, "c"), number(node, "d")};
-}
-
-pugi::xml_node Reader::child(pugi::xml_node node, const char* name) {
-  const pugi::xml_node found = node.child(name);
-  if (!found) fail(ErrorCode::kParse, node, std::string("<") + node.name() + "> lacks <" + name + ">");
-  return found;
-}
-
 void Reader::read_header(pugi::xml_node header) {
-  if (failed()) return;
-  if (number(header, "revMajor") != 1 && !failed()) unsupported(header, "an OpenDRIVE version other than 1.x is");
+  if (source_.number(header, "revMajor") != 1 && !failed()) {
+    source_.fail(ErrorCode::kData, header, "an OpenDRIVE version other than 1.x is not supported yet");
+  }
   network_.name = header.attribute("name").value();
-  read_origin(header);
+  if (!failed()) read_origin(header);
 }
 
 void Reader::read_origin(pugi::xml_node header) {
@@ -178,16 +121,26 @@ void Reader::read_origin(pugi::xml_node header) {
     const std::string proj = reference.text().get();
     if (trimmed(proj).empty()) return;
     if (proj_value(proj, "proj") != "ortho") {
-      note(reference, "the geoReference is not +proj=ortho and is not kept");
+      source_.note(reference, "the geoReference is not +proj=ortho and is not kept");
       return;
     }
     origin = numbers_in(proj_value(proj, "lat_0") + " " + proj_value(proj, "lon_0") + " 0");
   }
   if (origin.size() != 3 || std::abs(origin[0]) > 90 || std::abs(origin[1]) > 180) {
-    fail(ErrorCode::kParse, reference, "the origin is not a latitude and longitude in degrees");
+    source_.fail(ErrorCode::kParse, reference, "the origin is not a latitude and longitude in degrees");
     return;
   }
   network_.georeference = Georeference{origin[0], origin[1], origin[2]};
+}
+
+void Reader::note_unkept(pugi::xml_node node) {
+  for (const char* name : {"type", "surface", "railroad"}) {
+    if (node.child(name)) source_.note(node.child(name), std::string("<") + name + "> of roads is not kept");
+  }
+  if (node.attribute("junction").as_int(-1) != -1) {
+    source_.note(node, "junctions are not kept: their roads are read as roads");
+  }
+  if (!std::strcmp(node.attribute("rule").value(), "LHT")) source_.note(node, "left-hand traffic is not kept");
 }
 
 void Reader::read_links(pugi::xml_node node, Road& road) {
@@ -195,274 +148,327 @@ void Reader::read_links(pugi::xml_node node, Road& road) {
     if (link.attribute("elementId").value() == road.id && !std::strcmp(link.attribute("elementType").value(), "road")) {
       road.closed = true;
     } else {
-      note(link, "links to other roads are not kept");
+      source_.note(link, "links to other roads are not kept");
     }
   }
 }
 
-void Reader::refuse_lateral(pugi::xml_node node) {
-  for (const pugi::xml_node record : node.child("lateralProfile").children()) {
-    const bool flat = !std::strcmp(record.name(), "superelevation") && record.attribute("a").as_double() == 0 &&
-                      record.attribute("b").as_double() == 0 && record.attribute("c").as_double() == 0 &&
-                      record.attribute("d").as_double() == 0;
-    if (!flat) return unsupported(record, std::string("<") + record.name() + "> is");
-  }
-}
-
-ParametricCubic Reader::read_shape(pugi::xml_node node, double heading_rad, double length_m) {
-  const glm::dvec2 start(number(node, "x"), number(node, "y"));
-  const pugi::xml_node shape = node.find_child([](pugi::xml_node n) { return std::strcmp(n.name(), "userData") != 0; });
-  if (!std::strcmp(shape.name(), "line")) return ParametricCubic{start, {length_m, 0}}.turned(heading_rad);
-  if (std::strcmp(shape.name(), "paramPoly3")) {
-    if (shape)
-      unsupported(shape, std::string("geometry <") + shape.name() + "> is");
-    else
-      fail(ErrorCode::kParse, node, "<geometry> has no shape");
-    return {};
-  }
-  const glm::dvec2 offset(number(shape, "aU"), number(shape, "aV"));
+std::optional<PlanCurve> Reader::read_param_poly3(pugi::xml_node shape, glm::dvec2 start_m, double heading_rad,
+                                                  double length_m) {
+  const glm::dvec2 offset(source_.number(shape, "aU"), source_.number(shape, "aV"));
   ParametricCubic curve{offset,
-                        {number(shape, "bU"), number(shape, "bV")},
-                        {number(shape, "cU"), number(shape, "cV")},
-                        {number(shape, "dU"), number(shape, "dV")}};
+                        {source_.number(shape, "bU"), source_.number(shape, "bV")},
+                        {source_.number(shape, "cU"), source_.number(shape, "cV")},
+                        {source_.number(shape, "dU"), source_.number(shape, "dV")}};
   const std::string range = shape.attribute("pRange").as_string("arcLength");  // the default of OpenDRIVE 1.4
   if (range == "arcLength")
     curve = curve.rescaled(length_m);
   else if (range != "normalized")
-    fail(ErrorCode::kParse, shape, "pRange=\"" + range + "\" is neither arcLength nor normalized");
+    source_.fail(ErrorCode::kParse, shape, "pRange=\"" + range + "\" is neither arcLength nor normalized");
   curve = curve.turned(heading_rad);
   const double c = std::cos(heading_rad), s = std::sin(heading_rad);
-  curve.start_m = start + glm::dvec2(c * offset.x - s * offset.y, s * offset.x + c * offset.y);
+  curve.start_m = start_m + glm::dvec2(c * offset.x - s * offset.y, s * offset.x + c * offset.y);
   return curve;
 }
 
-// Our own files carry the anchors and slopes unrounded; they count only where they agree with the shape.
-void Reader::take_exact_chord(pugi::xml_node node, Segment& segment) {
-  const std::string text = user_data(node, "roadgen:chord");
-  if (text.empty()) return;
-  const std::vector<double> chord = numbers_in(text);
-  if (chord.size() != 4 || glm::length(glm::dvec2(chord[0], chord[1]) - segment.end_m) > kSamePlace_m ||
-      std::abs(chord[2] - segment.slope_start) > 1e-6 || std::abs(chord[3] - segment.slope_end) > 1e-6) {
-    note(node, "userData roadgen:chord does not agree with the geometry, which is used");
-    return;
+std::optional<PlanCurve> Reader::read_shape(pugi::xml_node node, double heading_rad, double length_m) {
+  const glm::dvec2 start(source_.number(node, "x"), source_.number(node, "y"));
+  const pugi::xml_node shape = node.find_child(
+      [](pugi::xml_node n) { return n.type() == pugi::node_element && std::strcmp(n.name(), "userData") != 0; });
+  const std::string kind = shape.name();
+  if (kind == "line") return Clothoid{start, heading_rad, length_m, 0, 0};
+  if (kind == "arc" || kind == "spiral") {
+    const bool arc = kind == "arc";
+    const double first = source_.number(shape, arc ? "curvature" : "curvStart");
+    const double last = arc ? first : source_.number(shape, "curvEnd");
+    if (length_m * std::max(std::abs(first), std::abs(last)) > kMostTurning_rad) {
+      source_.fail(ErrorCode::kData, shape, "the geometry turns by more than 100 rad");
+    }
+    return Clothoid{start, heading_rad, length_m, first, last};
   }
-  if (glm::length(glm::dvec2(chord[0], chord[1]) - segment.start_m) < 10 * kSamePlace_m) return;
+  if (kind == "poly3") {
+    const Cubic v = source_.cubic(shape);
+    for (const double x : {v.c0, v.c1, v.c2, v.c3}) {
+      if (std::abs(x) > kGreatest_m) source_.fail(ErrorCode::kGeometry, shape, "the geometry is beyond 1e9 m");
+    }
+    if (failed()) return {};
+    return PlanCurve::poly3(start, heading_rad, v, length_m);
+  }
+  if (kind == "paramPoly3") return read_param_poly3(shape, start, heading_rad, length_m);
+  if (shape)
+    source_.fail(ErrorCode::kData, shape, "the geometry <" + kind + "> is not known");
+  else
+    source_.fail(ErrorCode::kParse, node, "<geometry> has no shape");
+  return {};
+}
+
+// Our own files carry the anchors and slopes unrounded; they count only where they agree with the shape.
+std::optional<Segment> Reader::exact_segment(pugi::xml_node node, const PlanCurve& curve) {
+  const std::string text = user_data(node, "roadgen:chord");
+  if (text.empty() || !curve.parametric()) return {};
+  const std::vector<double> chord = numbers_in(text);
+  const Result<Segment> rounded = segment_from_cubic(*curve.parametric());
+  if (chord.size() != 4 || !rounded || glm::length(glm::dvec2(chord[0], chord[1]) - rounded->end_m) > kSamePlace_m ||
+      std::abs(chord[2] - rounded->slope_start) > 1e-6 || std::abs(chord[3] - rounded->slope_end) > 1e-6) {
+    source_.note(node, "userData roadgen:chord does not agree with the geometry, which is used");
+    return {};
+  }
+  Segment segment = *rounded;
+  if (!(glm::length(glm::dvec2(chord[0], chord[1]) - segment.start_m) > 0)) return segment;
   segment.end_m = {chord[0], chord[1]};
   segment.slope_start = chord[2];
   segment.slope_end = chord[3];
   set_arc(segment);
+  return segment;
 }
 
-Placed Reader::read_geometry(pugi::xml_node node) {
-  Placed placed;
-  placed.s_m = number(node, "s");
-  placed.length_m = number(node, "length");
-  const double heading = number(node, "hdg");
-  if (failed()) return placed;
-  if (!(placed.length_m > 0)) {
-    fail(ErrorCode::kParse, node,
-         "<geometry> has length=\"" + std::string(node.attribute("length").value()) + "\"; it must be positive");
-    return placed;
+Geometry Reader::read_geometry(pugi::xml_node node) {
+  Geometry geometry;
+  geometry.s_m = source_.number(node, "s");
+  geometry.length_m = source_.number(node, "length");
+  geometry.line = source_.line(node);
+  const double heading = source_.number(node, "hdg");
+  if (failed()) return geometry;
+  if (!(geometry.length_m > 0)) {
+    source_.fail(
+        ErrorCode::kParse, node,
+        "<geometry> has length=\"" + std::string(node.attribute("length").value()) + "\"; it must be positive");
+    return geometry;
   }
-  const ParametricCubic curve = read_shape(node, heading, placed.length_m);
-  if (failed()) return placed;
-  Result<Segment> segment = segment_from_cubic(curve);
-  if (!segment) {
-    fail(ErrorCode::kData, node, segment.error().message);
-    return placed;
+  const std::optional<PlanCurve> curve = read_shape(node, heading, geometry.length_m);
+  if (failed()) return geometry;
+  geometry.curve = *curve;
+  for (const double p : {0.0, 0.5, 1.0}) {
+    const glm::dvec2 at = curve->position_m(p), along = curve->derivative_m(p);
+    const bool usable = std::max({std::abs(at.x), std::abs(at.y), std::abs(along.x), std::abs(along.y)}) <= kGreatest_m;
+    if (!usable) source_.fail(ErrorCode::kGeometry, node, "the geometry is beyond 1e9 m");
   }
-  placed.segment = *segment;
-  take_exact_chord(node, placed.segment);
-  if (std::abs(placed.segment.arc_m - placed.length_m) > kSamePlace_m * (1 + placed.length_m)) {
-    note(node, "the length of a geometry is not the arc length of its curve, which is used");
+  geometry.arc_m = curve->arc_m(0, 1);
+  if (!failed() && !(geometry.arc_m > 1e-9 && geometry.arc_m <= 4 * kGreatest_m)) {
+    source_.fail(ErrorCode::kGeometry, node, "the geometry starts and ends at the same point, or is beyond 1e9 m");
   }
-  return placed;
+  if (failed()) return geometry;
+  geometry.own = exact_segment(node, *curve);
+  const double arc = geometry.own ? geometry.own->arc_m : geometry.arc_m;
+  if (std::abs(arc - geometry.length_m) > kSamePlace_m * (1 + geometry.length_m)) {
+    source_.note(node, "the length of a geometry is not the arc length of its curve, which is used");
+  }
+  return geometry;
 }
 
-std::vector<Placed> Reader::read_plan(pugi::xml_node node) {
-  std::vector<Placed> plan;
-  for (const pugi::xml_node geometry : child(node, "planView").children("geometry")) {
+std::vector<Geometry> Reader::read_plan(pugi::xml_node node) {
+  std::vector<Geometry> plan;
+  for (const pugi::xml_node geometry : node.child("planView").children("geometry")) {
     plan.push_back(read_geometry(geometry));
     if (failed()) return plan;
     const double expected = plan.size() == 1 ? 0 : plan[plan.size() - 2].s_m + plan[plan.size() - 2].length_m;
     if (std::abs(plan.back().s_m - expected) > kSameStation_m) {
-      fail(ErrorCode::kParse, geometry,
-           "<geometry> does not start where the one before ends: s is off by " +
-               std::to_string(plan.back().s_m - expected) + " m");
+      source_.fail(ErrorCode::kParse, geometry,
+                   "<geometry> does not start where the one before ends: s is off by " +
+                       std::to_string(plan.back().s_m - expected) + " m");
     }
-    if (plan.size() == 1) continue;
-    join_end(plan[plan.size() - 2].segment, plan.back().segment.start_m);
   }
-  if (!failed() && plan.empty()) fail(ErrorCode::kParse, node, "<planView> has no geometry");
+  if (!failed() && plan.empty()) source_.fail(ErrorCode::kParse, node, "the road has no <planView> with a <geometry>");
   return plan;
 }
 
-std::vector<Record> Reader::read_records(pugi::xml_node parent, const char* name, const char* position) {
-  std::vector<Record> records;
-  for (const pugi::xml_node node : parent.children(name)) {
-    records.push_back({number(node, position), cubic(node), line(node)});
-    if (failed()) return records;
-    if (records.size() > 1 && records.back().s_m <= records[records.size() - 2].s_m) {
-      fail(ErrorCode::kParse, node, std::string("<") + name + "> records are not in order of " + position);
+// The greatest |t| of the road's edges over [from_m, to_m], which lies in one section.
+double half_width_m(const std::vector<LaneSection>& sections, double from_m, double to_m) {
+  const auto after = std::partition_point(sections.begin(), sections.end(),
+                                          [&](const LaneSection& section) { return section.s_m <= from_m; });
+  const LaneSection& section = after == sections.begin() ? *after : *(after - 1);
+  const std::vector<Cubic> borders = section.borders_m();
+  double most = kLeastHalfWidth_m;
+  for (const Cubic& edge : {borders.front(), borders.back()}) {
+    const Cubic::Range range = edge.shifted(from_m - section.s_m).range(to_m - from_m);
+    most = std::max({most, range.high, -range.low});
+  }
+  return most;
+}
+
+std::vector<Placed> Reader::place(const std::vector<Geometry>& plan, const Stations& stations,
+                                  const std::vector<LaneSection>& sections) {
+  std::vector<Placed> placed;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    const Geometry& g = plan[i];
+    std::vector<double> at = stations.between(g.s_m, i + 1 < plan.size() ? plan[i + 1].s_m : stations.end_m());
+    at.push_back(i + 1 < plan.size() ? plan[i + 1].s_m : stations.end_m());
+    if (at.size() == 2 && g.own) {
+      placed.push_back({*g.own, at[0], at[1], g.length_m, true});
+      continue;
+    }
+    const double scale = g.length_m / g.arc_m;
+    double p0 = 0;
+    for (std::size_t k = 0; k + 1 < at.size(); ++k) {
+      const double p1 = k + 2 == at.size() ? 1 : g.curve.p_at_arc((at[k + 1] - g.s_m) / scale);
+      std::vector<CurvePiece> pieces;
+      if (!divide_curve(g.curve, p0, p1, half_width_m(sections, at[k], at[k + 1]), pieces)) {
+        source_.fail(ErrorCode::kGeometry, g.line, "the geometry stops or reverses on the spot");
+        return placed;
+      }
+      double from = at[k];
+      for (const CurvePiece& piece : pieces) {
+        const double length = scale * g.curve.arc_m(piece.p0, piece.p1);
+        const double to = &piece == &pieces.back() ? at[k + 1] : from + length;
+        placed.push_back({piece.segment, from, to, length});
+        from = to;
+      }
+      p0 = p1;
     }
   }
-  return records;
+  return placed;
 }
 
-// The record that holds over a geometry, relative to the geometry's start.
-Cubic Reader::profile_over(const std::vector<Record>& records, const Placed& placed, const char* what) {
-  const Record* holds = nullptr;
-  for (const Record& record : records) {
-    if (record.s_m <= placed.s_m + kSamePlace_m)
-      holds = &record;
-    else if (record.s_m < placed.s_m + placed.length_m - kSamePlace_m && !error_) {
-      error_ = Error{ErrorCode::kData,
-                     std::string("a record of the ") + what + " that begins within a geometry is not supported yet",
-                     file_, record.line, element_};
-    }
-  }
-  if (!holds) return {};
-  const double by = placed.s_m - holds->s_m;
-  const Cubic result = holds->cubic.shifted(std::abs(by) <= kSamePlace_m ? 0 : by);
-  const Cubic::Range range = result.range(placed.segment.arc_m);
-  if (!(std::abs(range.low) <= kGreatestProfile_m && std::abs(range.high) <= kGreatestProfile_m) && !error_) {
-    error_ = Error{ErrorCode::kData, std::string("the ") + what + " is beyond 1e6 m", file_, holds->line, element_};
-  }
-  return result;
-}
-
-void Reader::refuse_lane_offset(pugi::xml_node lanes) {
-  for (const Record& record : read_records(lanes, "laneOffset", "s")) {
-    const Cubic& c = record.cubic;
-    if ((c.c0 != 0 || c.c1 != 0 || c.c2 != 0 || c.c3 != 0) && !failed()) {
-      error_ = Error{ErrorCode::kData, "<laneOffset> is not supported yet", file_, record.line, element_};
-    }
-  }
-}
-
-std::vector<Record> Reader::read_lane(pugi::xml_node side, const char* id) {
-  int count = 0;
-  for (const pugi::xml_node lane : side.children("lane")) {
-    if (word(lane, "id") != id || ++count > 1) unsupported(lane, "more than one lane on each side is");
-  }
-  const pugi::xml_node lane = child(side, "lane");
-  if (failed()) return {};
-  const std::string type = word(lane, "type");
-  if (type != "driving") unsupported(lane, "a lane of type \"" + type + "\" is");
-  for (const pugi::xml_node part : lane.children()) {
-    const std::string name = part.name();
-    if (name == "border")
-      unsupported(part, "a lane <border> is");
-    else if (name == "roadMark" && std::strcmp(part.attribute("type").value(), "solid"))
-      note(part, "road marks are not kept: edges become solid, the centre broken");
-    else if (name != "width" && name != "roadMark" && name != "link")
-      note(part, "<" + name + "> of lanes is not kept");
-  }
-  return read_records(lane, "width", "sOffset");
-}
-
-std::vector<Record> Reader::read_widths(pugi::xml_node node) {
-  const pugi::xml_node lanes = child(node, "lanes");
-  if (failed()) return {};
-  refuse_lane_offset(lanes);
-  const pugi::xml_node section = child(lanes, "laneSection");
-  if (section.next_sibling("laneSection"))
-    unsupported(section.next_sibling("laneSection"), "more than one lane section is");
-  if (failed()) return {};
-  if (!section.child("left") || !section.child("right")) unsupported(section, "a road without lanes on both sides is");
-  const pugi::xml_node mark = section.child("center").child("lane").child("roadMark");
-  if (mark && std::strcmp(mark.attribute("type").value(), "broken"))
-    note(mark, "road marks are not kept: edges become solid, the centre broken");
-  if (failed()) return {};
-
-  const std::vector<Record> left = read_lane(section.child("left"), "1"),
-                            right = read_lane(section.child("right"), "-1");
-  if (failed()) return {};
-  const auto same = [](const Record& a, const Record& b) {
-    return a.s_m == b.s_m && a.cubic.c0 == b.cubic.c0 && a.cubic.c1 == b.cubic.c1 && a.cubic.c2 == b.cubic.c2 &&
-           a.cubic.c3 == b.cubic.c3;
+void Reader::join(std::vector<Placed>& placed, bool closed, pugi::xml_node node) {
+  double widest = 0;
+  const auto join_pair = [&](Placed& before, const Placed& after) {
+    // What we wrote ourselves is exact.
+    const bool exact = before.own && after.own;
+    widest = std::max(widest, join_end(before.segment, after.segment, exact ? kSamePlace_m : kClosedGap_m,
+                                       exact ? 0 : kClosedTurn_rad));
   };
-  if (!std::equal(left.begin(), left.end(), right.begin(), right.end(), same))
-    unsupported(section, "lanes of different widths on the two sides are");
-  if (!failed() && (left.empty() || left.front().s_m > kSamePlace_m))
-    fail(ErrorCode::kParse, section, "a lane has no <width> at its start");
-  return left;
+  for (std::size_t i = 0; i + 1 < placed.size(); ++i) join_pair(placed[i], placed[i + 1]);
+  if (closed && glm::length(placed.back().segment.end_m - placed.front().segment.start_m) > kClosedGap_m) {
+    source_.fail(ErrorCode::kData, node, "the road is linked to itself but does not end where it starts");
+    return;
+  }
+  if (closed) join_pair(placed.back(), placed.front());
+  if (widest > kSamePlace_m) source_.note(node, "gaps between geometries of up to 0.01 m are closed");
 }
 
-void Reader::close_loop(pugi::xml_node node, Road& road) {
-  const glm::dvec2 start = road.segments.front().start_m;
-  if (glm::length(road.segments.back().end_m - start) > kSameStation_m) {
-    return fail(ErrorCode::kData, node, "the road is linked to itself but does not end where it starts");
+// Puts the sections, which are in the file's s, on the road's own.
+void Reader::take_sections(Road& road, const std::vector<Placed>& placed, std::vector<LaneSection> sections,
+                           double end_m) {
+  std::size_t joint = 0;
+  std::vector<double> start_m;
+  for (LaneSection& section : sections) {
+    while (joint + 1 < placed.size() && placed[joint].from_m < section.s_m) ++joint;
+    start_m.push_back(road.segments[joint].s_start_m);
   }
-  join_end(road.segments.back(), start);
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const bool last = i + 1 == sections.size();
+    const double length = (last ? end_m : sections[i + 1].s_m) - sections[i].s_m;
+    const double arc = (last ? road.length_m() : start_m[i + 1]) - start_m[i];
+    sections[i].offset_m = scaled(sections[i].offset_m, length, arc);
+    for (auto* side : {&sections[i].left, &sections[i].right}) {
+      for (Lane& lane : *side) lane.width_m = scaled(lane.width_m, length, arc);
+    }
+  }
+  for (std::size_t i = 0; i < sections.size(); ++i) sections[i].s_m = start_m[i];
+  if (Status status = set_sections(road, std::move(sections)); !status) {
+    source_.fail(ErrorCode::kData, 0, status.error().message);
+  }
+}
+
+void Reader::set_profiles(Road& road, const std::vector<Placed>& placed, const Profile& heights,
+                          const XodrLateral& lateral, const Stations& stations) {
+  double deviation = 0;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    Segment& segment = road.segments[i];
+    const Placed& from = placed[i];
+    segment.elevation_m = scaled(cubic_from(heights, from.from_m, stations), from.length_m, segment.arc_m);
+    const Cubic::Range range = segment.elevation_m.range(segment.arc_m);
+    if (!(range.low >= -kGreatestProfile && range.high <= kGreatestProfile)) {
+      source_.fail(ErrorCode::kData, holding(heights, from.from_m, stations)->line, "the elevation is beyond 1e6 m");
+    }
+    deviation =
+        std::max(deviation, set_lateral(source_, lateral, stations, from.from_m, from.to_m, from.length_m, segment));
+    if (failed()) return;
+  }
+  if (deviation > kSamePlace_m) {
+    char text[96];
+    std::snprintf(text, sizeof text, "crossfall and shape are kept as slopes to both sides, to %.3g m", deviation);
+    source_.note(lateral.first_line(), text);
+  }
 }
 
 void Reader::read_road(pugi::xml_node node) {
   Road road;
-  road.id = word(node, "id");
-  element_ = "road " + road.id;
+  road.id = source_.word(node, "id");
+  source_.set_element("road " + road.id);
   road.name = node.attribute("name").value();
-  if (node.attribute("junction").as_int(-1) != -1) unsupported(node, "a road of a junction is");
-  for (const char* name : {"type", "objects", "signals", "surface", "railroad"}) {
-    if (node.child(name)) note(node.child(name), std::string("<") + name + "> of roads is not kept");
-  }
+  note_unkept(node);
   read_links(node, road);
-  refuse_lateral(node);
   if (failed()) return;
 
-  const std::vector<Placed> plan = read_plan(node);
+  const std::vector<Geometry> plan = read_plan(node);
   if (failed()) return;
-  const std::vector<Record> heights = read_records(node.child("elevationProfile"), "elevation", "s");
+  const Profile heights = read_profile(source_, node.child("elevationProfile"), "elevation", "s");
+  const XodrLateral lateral = read_lateral(source_, node);
   if (failed()) return;
-  const std::vector<Record> widths = read_widths(node);
+  const XodrLanes lanes = read_lanes(source_, node);
   if (failed()) return;
-  for (const Placed& placed : plan) {
-    Segment segment = placed.segment;
-    segment.elevation_m = profile_over(heights, placed, "elevation");
-    segment.set_half_width_m(profile_over(widths, placed, "width"));
-    road.segments.push_back(segment);
-  }
-  if (road.closed) close_loop(node, road);
+
+  std::vector<double> starts;
+  for (const Geometry& geometry : plan) starts.push_back(geometry.s_m);
+  Stations stations(starts, plan.back().s_m + plan.back().length_m);
+  for (const double s : lanes.changes_m()) stations.add(s);
+  for (const double s : lateral.changes_m()) stations.add(s);
+  for (const auto& record : heights) stations.add(record.s_m);
+
+  std::vector<LaneSection> sections = lane_sections(source_, lanes, stations, starts.front());
   if (failed()) return;
-  for (Segment& segment : road.segments) set_bound(segment);
+  std::vector<Placed> placed = place(plan, stations, sections);
+  if (failed()) return;
+  join(placed, road.closed, node);
+  if (failed()) return;
+  for (const Placed& p : placed) road.segments.push_back(p.segment);
   chain_arc_lengths(road);
-  two_lane_sections(road);
+  take_sections(road, placed, std::move(sections), stations.end_m());
+  if (failed()) return;
+  set_profiles(road, placed, heights, lateral, stations);
+  if (failed()) return;
+  road.paint = read_paint(source_, node, road, [&](double s) {
+    const auto after =
+        std::partition_point(placed.begin() + 1, placed.end(), [&](const Placed& p) { return p.from_m <= s; });
+    const std::size_t i = static_cast<std::size_t>(after - placed.begin()) - 1;
+    const Segment& segment = road.segments[i];
+    if (placed[i].length_m == segment.arc_m) return s + (segment.s_start_m - placed[i].from_m);
+    return segment.s_start_m + (s - placed[i].from_m) * (segment.arc_m / placed[i].length_m);
+  });
   network_.roads.push_back(std::move(road));
 }
 
 Result<Network> Reader::read(Diagnostics* diagnostics) {
-  if (Status status = check_utf8(text_, file_); !status) return status.error();
+  if (Status status = check_utf8(text_, source_.file()); !status) return status.error();
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_buffer(text_.data(), text_.size());
   if (!parsed) {
-    return Error{ErrorCode::kParse, std::string("is not well-formed XML (truncated?): ") + parsed.description(), file_,
-                 lines_.line(parsed.offset)};
+    source_.fail(ErrorCode::kParse, LineIndex(text_).line(parsed.offset),
+                 std::string("is not well-formed XML (truncated?): ") + parsed.description());
+    return source_.error();
   }
   const pugi::xml_node root = document.child("OpenDRIVE");
-  if (!root) return Error{ErrorCode::kParse, "is not OpenDRIVE: there is no <OpenDRIVE> element", file_, 1};
+  if (!root) return Error{ErrorCode::kParse, "is not OpenDRIVE: there is no <OpenDRIVE> element", source_.file(), 1};
 
-  read_header(child(root, "header"));
+  if (const pugi::xml_node header = root.child("header"))
+    read_header(header);
+  else
+    source_.fail(ErrorCode::kParse, root, "<OpenDRIVE> lacks <header>");
   std::set<std::string> ids;
   for (const pugi::xml_node node : root.children()) {
-    element_.clear();
+    if (failed()) return source_.error();
+    source_.set_element("");
     const std::string name = node.name();
-    if (name == "junction")
-      unsupported(node, "<junction> is");
-    else if (name == "road")
+    if (name == "road") {
       read_road(node);
-    else if (name != "header")
-      note(node, "<" + name + "> is not kept");
-    if (failed()) return *error_;
-    if (name == "road" && !ids.insert(network_.roads.back().id).second) {
-      fail(ErrorCode::kParse, node, "the id is used twice");
-      return *error_;
+      if (!failed() && !ids.insert(network_.roads.back().id).second) {
+        source_.fail(ErrorCode::kParse, node, "the id is used twice");
+      }
+    } else if (name == "junction") {
+      source_.note(node, "junctions are not kept: their roads are read as roads");
+    } else if (name != "header" && node.type() == pugi::node_element) {
+      source_.note(node, "<" + name + "> is not kept");
     }
   }
-  if (network_.roads.empty()) return Error{ErrorCode::kData, "holds no roads", file_};
+  if (failed()) return source_.error();
+  if (network_.roads.empty()) return Error{ErrorCode::kData, "holds no roads", source_.file()};
   if (diagnostics) {
-    for (const auto& [what, seen] : notes_) {
-      const std::string times = seen.count > 1 ? " (" + std::to_string(seen.count) + " times, first here)" : "";
-      diagnostics->push_back({Severity::kWarning, what + times, file_, seen.line, seen.element});
+    for (Diagnostic& note : source_.notes()) diagnostics->push_back(std::move(note));
+    for (const Road& road : network_.roads) {
+      for (std::string& problem : value_problems(road)) {
+        diagnostics->push_back({Severity::kWarning, std::move(problem), source_.file()});
+      }
     }
   }
   return std::move(network_);

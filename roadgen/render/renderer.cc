@@ -273,7 +273,25 @@ Result<Renderer> Renderer::create(Context& context, const RendererOptions& optio
   return Renderer(std::move(state));
 }
 
+namespace {
+
+// What no picture can be made of; everything else is drawn, however odd.
+Status check_drawable(const Road& road) {
+  const auto refuse = [&](const char* why) { return Error{ErrorCode::kData, why, {}, 0, "road " + road.id}; };
+  if (!is_finite(road)) return refuse("a number is not finite");
+  for (const Segment& segment : road.segments) {
+    if (!(segment.chord_length_m() > 0)) return refuse("a segment has no length");
+    if (segment.section >= road.sections.size()) return refuse("a segment has no lane section");
+  }
+  return Done{};
+}
+
+}  // namespace
+
 Status Renderer::load_roads(const Network& network) {
+  for (const Road& road : network.roads) {
+    if (Status s = check_drawable(road); !s) return s;
+  }
   if (Status s = state_->context.make_current(); !s) return s;
   state_->roads = RoadTiles(road_scene(network), state_->options.gpu_budget_bytes);
   state_->junctions.upload(network);

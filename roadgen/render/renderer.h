@@ -84,7 +84,8 @@ class Renderer {
 
   // Replaces what is drawn. Cost: O(n log n), n segments; kBytesPerSegment for each, in the CPU's memory and, once seen,
   // within the budget on the GPU.
-  // Errors: kContext where the context cannot be made current.
+  // Errors: kData with the road, where a number is not finite, or a segment has no length or no lane section; kContext
+  // where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
   void set_lighting(const Lighting& lighting);

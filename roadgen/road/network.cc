@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -11,91 +10,10 @@
 namespace roadgen {
 namespace {
 
-double wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * std::numbers::pi); }
-
-bool is_finite(const Segment& s) {
-  const double sum = s.start_m.x + s.start_m.y + s.end_m.x + s.end_m.y + s.slope_start + s.slope_end + s.s_start_m +
-                     s.arc_m + s.elevation_m.c0 + s.elevation_m.c1 + s.elevation_m.c2 + s.elevation_m.c3 +
-                     s.superelevation_rad.c0 + s.superelevation_rad.c1 + s.superelevation_rad.c2 +
-                     s.superelevation_rad.c3 + s.crossfall_left.c0 + s.crossfall_left.c1 + s.crossfall_right.c0 +
-                     s.crossfall_right.c1 + s.left_m.c0 + s.left_m.c1 + s.left_m.c2 + s.left_m.c3 + s.right_m.c0 +
-                     s.right_m.c1 + s.right_m.c2 + s.right_m.c3;
-  return std::isfinite(sum);
-}
-
 std::string at(const Road& road, double s_m, const std::string& what) {
   char text[64];
   std::snprintf(text, sizeof text, ", s = %.3f m: ", s_m);
   return "road " + road.id + text + what;
-}
-
-std::string number(const char* format, double x) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, x);
-  return text;
-}
-
-void check_segment(const Road& road, const Segment& segment, CheckReport& report) {
-  const double s = segment.s_start_m;
-  if (!is_finite(segment)) {
-    report.problems.push_back(at(road, s, "a number is not finite"));
-    return;
-  }
-  const double length = segment.chord_length_m();
-  if (!(length > 0)) {
-    report.problems.push_back(at(road, s, "the segment has no length"));
-    return;
-  }
-  report.max_mapping_bound_m = std::max(report.max_mapping_bound_m, segment.v_bound_m());
-  report.max_s_bound_m = std::max(report.max_s_bound_m, segment.s_bound_m());
-  report.max_arc_error_m = std::max(report.max_arc_error_m, segment.arc_error_m);
-  if (!is_admissible(segment)) {
-    report.problems.push_back(at(road, s,
-                                 "the mapping is not certified to " + number("%g", kMappingTolerance) +
-                                     " of the half width (bounds " + number("%.3g", segment.v_bound_m()) +
-                                     " m across and " + number("%.3g", segment.s_bound_m()) +
-                                     " m along): the road is too wide or too tightly bent here; import it again"));
-  }
-  if (!((segment.left_m - segment.right_m).range(segment.arc_m).low > 0)) {
-    report.problems.push_back(at(road, s, "the width is not positive"));
-  }
-}
-
-void check_joint(const Road& road, const Segment& before, const Segment& after, CheckReport& report) {
-  const JointGap gap = joint_gap(before, after);
-  ++report.joints;
-  JointGap& worst = report.worst;
-  worst.position_m = std::max(worst.position_m, gap.position_m);
-  worst.heading_rad = std::max(worst.heading_rad, gap.heading_rad);
-  worst.curvature_per_m = std::max(worst.curvature_per_m, gap.curvature_per_m);
-  worst.elevation_m = std::max(worst.elevation_m, gap.elevation_m);
-  worst.grade = std::max(worst.grade, gap.grade);
-  worst.superelevation_rad = std::max(worst.superelevation_rad, gap.superelevation_rad);
-  worst.edge_m = std::max(worst.edge_m, gap.edge_m);
-
-  // Coordinates are doubles: 1e7 m from the origin they step by 2e-9 m.
-  const double size = std::max({std::abs(after.start_m.x), std::abs(after.start_m.y), 1.0});
-  const double shortest = std::min(before.chord_length_m(), after.chord_length_m());
-  const double s = after.s_start_m;
-  if (gap.position_m > 1e-9 + 1e-15 * size) {
-    report.problems.push_back(at(road, s, "position gap of " + number("%.3g", gap.position_m) + " m"));
-  }
-  if (gap.heading_rad > 1e-9 + 1e-15 * size / shortest) {
-    report.problems.push_back(at(road, s, "heading gap of " + number("%.3g", gap.heading_rad) + " rad"));
-  }
-  const double s_gap = std::abs(after.s_start_m - before.s_start_m - before.arc_m);
-  if (s != 0 && !(s_gap <= 1e-9 + 1e-12 * s)) {
-    report.problems.push_back(at(road, s, "arc length jumps by " + number("%.3g", s_gap) + " m"));
-  }
-  if (gap.elevation_m > 1e-6) {
-    report.problems.push_back(at(road, s, "elevation gap of " + number("%.3g", gap.elevation_m) + " m"));
-  }
-  if (gap.edge_m > 1e-6 && before.section == after.section) {
-    report.problems.push_back(at(road, s, "width gap of " + number("%.3g", gap.edge_m) + " m"));
-  }
-  if (gap.superelevation_rad > 1e-6) {
-    report.problems.push_back(at(road, s, "superelevation gap of " + number("%.3g", gap.superelevation_rad) + " rad"));
-  }
 }
 
 }  // namespace
@@ -182,7 +100,7 @@ Status set_sections(Road& road, std::vector<LaneSection> sections) {
 }
 
 void two_lane_sections(Road& road) {
-  road.sections.clear();
+  std::vector<LaneSection> sections;
   const auto side = [](const Cubic& width) {
     std::vector<Lane> lanes(1);
     lanes[0].mark.kind = MarkKind::kSolid;
@@ -194,20 +112,20 @@ void two_lane_sections(Road& road) {
     return lanes;
   };
   const Segment* first = nullptr;
-  for (Segment& segment : road.segments) {
+  for (const Segment& segment : road.segments) {
     const bool shared = first && first->left_m.is_constant() && first->right_m.is_constant() &&
                         segment.left_m == first->left_m && segment.right_m == first->right_m;
-    if (!shared) {
-      first = &segment;
-      LaneSection section;
-      section.s_m = segment.s_start_m;
-      section.center_mark.kind = MarkKind::kBroken;
-      section.left = side(segment.left_m);
-      section.right = side(-segment.right_m);
-      road.sections.push_back(std::move(section));
-    }
-    segment.section = static_cast<std::uint32_t>(road.sections.size() - 1);
+    if (shared) continue;
+    first = &segment;
+    LaneSection section;
+    section.s_m = segment.s_start_m;
+    section.center_mark.kind = MarkKind::kBroken;
+    section.left = side(segment.left_m);
+    section.right = side(-segment.right_m);
+    sections.push_back(std::move(section));
   }
+  // Sections that start with the segments always fit; the edges become their borders, to a rounding.
+  if (!sections.empty()) (void)set_sections(road, std::move(sections));
 }
 
 void chain_arc_lengths(Road& road) {
@@ -264,39 +182,6 @@ Bounds bounds(const Network& network) {
     }
   }
   return all;
-}
-
-JointGap joint_gap(const Segment& before, const Segment& after) {
-  JointGap gap;
-  gap.position_m = glm::length(after.start_m - before.end_m);
-  gap.heading_rad = std::abs(wrapped(heading_rad(after, 0) - heading_rad(before, 1)));
-  gap.curvature_per_m = std::abs(curvature_per_m(after, 0) - curvature_per_m(before, 1));
-  gap.elevation_m = std::abs(after.elevation_m.value(0) - before.elevation_m.value(before.arc_m));
-  gap.grade = std::abs(after.elevation_m.slope(0) - before.elevation_m.slope(before.arc_m));
-  gap.superelevation_rad = std::abs(after.superelevation_rad.value(0) - before.superelevation_rad.value(before.arc_m));
-  gap.edge_m = std::max(std::abs(after.left_m.value(0) - before.left_m.value(before.arc_m)),
-                        std::abs(after.right_m.value(0) - before.right_m.value(before.arc_m)));
-  return gap;
-}
-
-CheckReport check(const Network& network) {
-  CheckReport report;
-  for (const Road& road : network.roads) {
-    if (road.segments.empty()) {
-      report.problems.push_back("road " + road.id + ": no segments");
-      continue;
-    }
-    if (road.sections.empty()) report.problems.push_back("road " + road.id + ": no lane sections; it is not drawn");
-    for (const Segment& segment : road.segments) check_segment(road, segment, report);
-    for (std::size_t i = 0; i + 1 < road.segments.size(); ++i) {
-      check_joint(road, road.segments[i], road.segments[i + 1], report);
-    }
-    if (road.closed) check_joint(road, road.segments.back(), road.segments.front(), report);
-  }
-  for (const Junction& junction : network.junctions) {
-    for (std::string& problem : problems(junction)) report.problems.push_back(std::move(problem));
-  }
-  return report;
 }
 
 }  // namespace roadgen

@@ -121,8 +121,18 @@ struct CheckReport {
   bool ok() const { return problems.empty(); }
 };
 
-// Limits: position 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bounds kMappingTolerance
-// of the half width, elevation gap 1e-6 m, widths positive, numbers finite; and the problems() of junctions.
+// True where every number of the road is.
+bool is_finite(const Road& road);
+
+// What no real road has, as "road R, s = 123.4 m: what", those of a kind counted: lanes of negative width, no lane of any
+// width, superelevation beyond 45 degrees, grades and crossfalls beyond 100 %, bends tighter than the road is wide to
+// their inner edge, paint outside the road or without size, numbers that are not finite, lane sections that do not start
+// at joints. All are drawn nevertheless. Cost: O(segments log segments).
+std::vector<std::string> value_problems(const Road& road);
+
+// The above for every road, the problems() of junctions, and what roadgen promises of every road. Limits: position
+// 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bounds kMappingTolerance of the half width,
+// elevation gap 1e-6 m, widths positive, numbers finite.
 CheckReport check(const Network& network);
 
 }  // namespace roadgen

@@ -69,7 +69,8 @@ TEST(Commands, ImportThenInfoThenCheck) {
   EXPECT_EQ(info.err, "");
   const json told = json::parse(info.out);
   EXPECT_EQ(told["roads"], 1);
-  EXPECT_EQ(told["lanes"], 2);
+  EXPECT_EQ(told["lanes"], 4);  // with the hard shoulders
+  EXPECT_EQ(told["driving_lanes"], 2);
   EXPECT_EQ(told["junctions"], 0);
   EXPECT_EQ(told["segments"], road["segments"]);
   EXPECT_NEAR(told["length_m"], road["length_m"], 1e-6);

@@ -2,6 +2,7 @@
 // and written. Assertions are on in the dev preset; run it under the asan preset too.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cmath>
 #include <random>
 
@@ -65,6 +66,71 @@ TEST(Damage, OpenDriveGivesANetworkOrAnError) {
     (void)check(*read);
     (void)bounds(*read);
     (void)opendrive_text(*read);
+  }
+  EXPECT_GT(good, kRounds / 20);
+  EXPECT_LT(good, kRounds);
+}
+
+// One to four digits changed into odd numbers: well-formed files with odd values.
+std::string with_odd_numbers(std::string text, std::mt19937& random) {
+  static const char* const kOdd[] = {"0", "-1", "9", "1e3", "1e-7", "1e8", "-2e5", ".5"};
+  for (unsigned i = 0; i < 1 + random() % 4; ++i) {
+    std::size_t at = random() % text.size();
+    while (!std::isdigit(static_cast<unsigned char>(text[at]))) at = (at + 1) % text.size();
+    text.replace(at, 1, kOdd[random() % std::size(kOdd)]);
+  }
+  return text;
+}
+
+// Every element that the reader knows.
+const char* const kForeign = R"(<OpenDRIVE><header revMajor="1" revMinor="7"/>
+<road id="1" length="90" junction="5"><planView>
+<geometry s="0" x="0" y="0" hdg="0" length="20"><line/></geometry>
+<geometry s="20" x="20" y="0" hdg="0" length="20"><spiral curvStart="0" curvEnd="0.02"/></geometry>
+<geometry s="40" x="39.9" y="1.3" hdg="0.2" length="20"><arc curvature="0.02"/></geometry>
+<geometry s="60" x="57" y="9" hdg="0.6" length="10"><poly3 a="0" b="0" c="0.01" d="-0.0003"/></geometry>
+<geometry s="70" x="65" y="15" hdg="0.7" length="20"><paramPoly3 aU="0" bU="20" cU="0" dU="-1" aV="0" bV="0" cV="3"
+dV="-1" pRange="normalized"/></geometry></planView>
+<elevationProfile><elevation s="0" a="1" b="0.1" c="0" d="0"/><elevation s="33" a="4.3" b="0.1" c="-0.001" d="1e-05"/>
+</elevationProfile><lateralProfile><superelevation s="0" a="0" b="0" c="0" d="0"/>
+<superelevation s="25" a="0" b="0.002" c="0" d="0"/><crossfall side="left" s="5" a="0.02" b="0" c="0" d="0"/>
+<shape s="0" t="-4" a="0.1" b="-0.02" c="0" d="0"/><shape s="50" t="0" a="0" b="0.02" c="0.001" d="0"/></lateralProfile>
+<lanes><laneOffset s="0" a="0" b="0" c="0" d="0"/><laneOffset s="45" a="0" b="0.01" c="0" d="0"/>
+<laneSection s="0"><left><lane id="1" type="driving"><border sOffset="0" a="3" b="0.01" c="0" d="0"/></lane></left>
+<center><lane id="0" type="none"><roadMark sOffset="0" type="solid broken" weight="bold" color="yellow"/></lane></center>
+<right><lane id="-1" type="bus"><width sOffset="0" a="3" b="0" c="0" d="0"/><width sOffset="9" a="3" b="0.1" c="0" d="0"/>
+<roadMark sOffset="0" type="broken"><type name="x" width="0.1"><line length="3" space="6" tOffset="0" width="0.1"/></type>
+</roadMark><material sOffset="0" surface="gravel" friction="1"/></lane>
+<lane id="-2" type="sidewalk"><width sOffset="0" a="2" b="0" c="0" d="0"/><height sOffset="1" inner="0.1" outer="0.1"/>
+</lane></right></laneSection><laneSection s="60" singleSide="true"><right><lane id="-1" type="driving">
+<width sOffset="0" a="3" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
+<objects><object type="crosswalk" s="20" t="0" hdg="1.57" length="7" width="3"/>
+<object type="roadMark" subtype="arrowLeft" s="30" t="-1" orientation="-"><outline><cornerLocal u="1" v="1"/>
+<cornerRoad s="33" t="2"/></outline></object></objects>
+<signals><signal type="294" s="40" t="-3" orientation="+"><validity fromLane="-1" toLane="-1"/></signal></signals>
+</road></OpenDRIVE>)";
+
+TEST(Damage, EveryElementOfOpenDriveGivesANetworkThatIsWrittenOrAnError) {
+  ASSERT_TRUE(parse_opendrive(kForeign, "f").ok()) << parse_opendrive(kForeign, "f").error().text();
+  std::mt19937 random(3);
+  int good = 0;
+  for (int i = 0; i < kRounds; ++i) {
+    Diagnostics diagnostics;
+    const std::string text = i % 2 == 0 ? damaged(kForeign, random) : with_odd_numbers(kForeign, random);
+    const Result<Network> read = parse_opendrive(text, "f", &diagnostics);
+    if (!read) {
+      EXPECT_EQ(read.error().file, "f");
+      continue;
+    }
+    ++good;
+    (void)check(*read);
+    (void)bounds(*read);
+    for (const Road& road : read->roads) ASSERT_TRUE(is_finite(road)) << text;
+    const Result<std::string> written = opendrive_text(*read);
+    ASSERT_TRUE(written.ok()) << written.error().text() << text;
+    const Result<Network> again = parse_opendrive(*written, "g");
+    ASSERT_TRUE(again.ok()) << again.error().text() << text;
+    EXPECT_TRUE(*opendrive_text(*again) == *written) << text;
   }
   EXPECT_GT(good, kRounds / 20);
   EXPECT_LT(good, kRounds);

@@ -139,6 +139,32 @@ TEST(Check, FindsEveryPlantedFault) {
          for (Segment& s : r.segments) s.arc_error_m = 2 * kMappingTolerance * s.max_half_width_m();
        }},
       {"arc length", [](Road& r) { r.segments[4].s_start_m += 0.01; }},
+      {"lane -1 has a negative width of -0.5 m",
+       [](Road& r) {
+         r.sections[0].right[0].width_m = {0, -1, 0.5, 0};
+       }},
+      {"negative width", [](Road& r) { r.sections[0].left[1].width_m.c0 = -1; }},
+      {"no lane has any width",
+       [](Road& r) {
+         for (auto* side : {&r.sections[0].left, &r.sections[0].right}) {
+           for (Lane& lane : *side) lane.width_m = {0, 0, 0, 0};
+         }
+       }},
+      {"superelevation of 51.6 degrees",
+       [](Road& r) {
+         r.segments[4].superelevation_rad = {0, 0.9 / 26.18, 0, 0};
+       }},
+      {"grade of", [](Road& r) { r.segments[4].elevation_m.c1 = -2; }},
+      {"crossfall of 110 %", [](Road& r) { r.segments[4].crossfall_right.c0 = 1.1; }},
+      {"radius of", [](Road& r) { r.segments[4].left_m.c0 = 55; }},
+      {"paint outside the road", [](Road& r) { r.paint.push_back({.s_m = 10, .t_m = 2, .width_m = 3}); }},
+      {"paint outside the road", [](Road& r) { r.paint.push_back({.s_m = 1e4, .width_m = 1}); }},
+      {"not positive", [](Road& r) { r.paint.push_back({.s_m = 10, .length_m = 0}); }},
+      {"not finite", [](Road& r) { r.paint.push_back({.t_m = std::numeric_limits<double>::infinity()}); }},
+      {"not finite", [](Road& r) { r.sections[0].offset_m.c3 = std::numeric_limits<double>::quiet_NaN(); }},
+      {"elsewhere than at a joint", [](Road& r) { r.sections[0].s_m = 1; }},
+      {"does not have the lane section", [](Road& r) { r.segments[2].section = 1; }},
+      {"no lane sections", [](Road& r) { r.sections.clear(); }},
   };
   for (const bool closed : {false, true}) {
     for (const Fault& fault : faults) {
