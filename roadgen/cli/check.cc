@@ -25,7 +25,8 @@ std::string describe(const CheckReport& report, const Network& network) {
                                        {"max_edge_gap_m", worst.edge_m},
                                        {"max_mapping_bound_m", report.max_mapping_bound_m},
                                        {"max_arc_error_m", report.max_arc_error_m},
-                                       {"problems", report.problems}};
+                                       {"problems", report.problems},
+                                       {"warnings", report.warnings}};
   return json.dump(2) + "\n";
 }
 
