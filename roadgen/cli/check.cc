@@ -26,7 +26,8 @@ std::string describe(const CheckReport& report, const Network& network) {
                                        {"max_mapping_bound_m", report.max_mapping_bound_m},
                                        {"max_s_bound_m", report.max_s_bound_m},
                                        {"max_arc_error_m", report.max_arc_error_m},
-                                       {"problems", report.problems}};
+                                       {"problems", report.problems},
+                                       {"warnings", report.warnings}};
   return json.dump(2) + "\n";
 }
 

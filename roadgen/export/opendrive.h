@@ -2,9 +2,10 @@
 //
 // A segment is one <geometry> with one <paramPoly3 pRange="normalized">: the chord-frame cubic of the road function,
 // turned into the frame of its start tangent, so aU = aV = bV = 0 and bU > 0; its length is the true arc length
-// (clause 7.7). Elevation is one record per segment (clause 8.5). A road has one lane section with the centre lane and
-// one driving lane on each side, of the half width each, one width record per segment, equal constant ones merged
-// (clause 9.7). The centre lane is marked by a broken line, the edges by solid ones (clause 9.9).
+// (clause 9.3). Elevation and superelevation are one record per segment (clause 10.5); crossfall is a <shape> of two
+// straight pieces where segments start. Every lane section is one <laneSection>, with one record of everything (clause
+// 11); its lanes are linked to those that hold their middle in the sections beside it. Paint is an <object> of type
+// roadMark or crosswalk (clause 13).
 // A closed road is its own predecessor and successor.
 //
 // Georeference. The network lives in topocentric ENU about an origin. OpenDRIVE wants a PROJ string of a projected
@@ -15,7 +16,8 @@
 //
 // Numbers are written with as many digits as bring the same double back (17 at most). The anchors and slopes cannot be
 // recovered bit for bit from rounded polynomial coefficients, so they stand beside them in
-// <userData code="roadgen:chord" value="END_X END_Y SLOPE_START SLOPE_END"/>; thus a network that was written, read
+// <userData code="roadgen:chord" value="END_X END_Y SLOPE_START SLOPE_END"/>; likewise "roadgen:crossfall" (S and the
+// coefficients left and right), "roadgen:mark" (WIDTH SPACE ON OFF) and "roadgen:paint" (COLOUR STRIPE); thus a network that was written, read
 // and written again is the same file. Other programs skip userData and lose nothing.
 #pragma once
 
@@ -26,7 +28,7 @@
 namespace roadgen {
 
 // The text of the file. Cost: O(segments).
-// Errors: kData where a road has no segments, an id is empty or used twice, or a number is not finite.
+// Errors: kData where a road has no segments or no lane sections, an id is empty or used twice, or a number is not finite.
 Result<std::string> opendrive_text(const Network& network);
 
 // Writes the text to path, whole or not at all. Errors: as opendrive_text; kIo.

@@ -466,8 +466,11 @@ Result<Network> Reader::read(Diagnostics* diagnostics) {
   if (diagnostics) {
     for (Diagnostic& note : source_.notes()) diagnostics->push_back(std::move(note));
     for (const Road& road : network_.roads) {
-      for (std::string& problem : value_problems(road)) {
-        diagnostics->push_back({Severity::kWarning, std::move(problem), source_.file()});
+      OddValues odd = odd_values(road);
+      for (auto* texts : {&odd.problems, &odd.warnings}) {
+        for (std::string& text : *texts) {
+          diagnostics->push_back({Severity::kWarning, std::move(text), source_.file()});
+        }
       }
     }
   }

@@ -1,12 +1,17 @@
 // OpenDRIVE 1.4 to 1.8 files as a network.
 //
-// Read: line and paramPoly3 geometry (both parameter ranges) where the curve is the graph of a cubic over its chord;
-// elevation; one lane section with the centre lane and one driving lane of equal width on each side; the link of a
-// closed road to itself; the origin in <geoReference> (+proj=ortho) or in userData "roadgen:origin". A profile's record
-// may begin only where a geometry begins.
-// Anything else that would change the road's shape (other geometry, superelevation, lane offsets, more lanes,
-// junctions) is an Error that names what is not supported yet. What does not change the shape (road marks other than
-// ours, objects, signals, links to other roads, types, speeds) is reported as a diagnostic, once per kind.
+// Read:
+// * Geometry: line, arc, spiral, poly3 and paramPoly3 (both parameter ranges), divided into segments that keep the
+//   curve's points and tangents at their ends, lie within kPlanTolerance_m of it, and are certified for the road's width
+//   (plan_curve.h). Gaps of up to 1 cm between geometries are closed.
+// * Elevation, superelevation, crossfall and shape (xodr_lateral.h says how), lane sections with offsets, widths or
+//   borders, heights, materials and road marks. A record may begin anywhere: segments and sections are divided there, s
+//   of the file kept to kPlanArcTolerance_m a segment. Records within 2 mm of a joint are moved to it. Broken lines begin
+//   anew with each section.
+// * Objects and signals that are stop lines, crosswalks or arrows.
+// * The link of a closed road to itself; the origin in <geoReference> (+proj=ortho) or in userData "roadgen:origin".
+// Roads of junctions are read like all others. What is not kept (junctions, other links and objects, speeds, left-hand
+// traffic, ...) is told once per kind, and so is what no real road has, see odd_values.
 #pragma once
 
 #include <string>

@@ -76,12 +76,11 @@ class Divider {
  private:
   static constexpr int kMostHalvings = 40;
   // Shorter pieces are not halved for a road that is too wide for its bend, nor for a curve that turns within them.
-  static constexpr double kLeastCertified_m = 1, kLeastFollowed_m = 2e-3;
+  static constexpr double kLeastCertified_m = 0.25, kLeastFollowed_m = 2e-3;
   // Tangents further off the chord than this (cosine) make no good segment.
   static constexpr double kLeastCosine = 0.25;
-  // A piece that is straighter than this gains nothing from halving where the half width exceeds its radius.
-  static constexpr double kStraightSlope = 0.1;
-
+  // Halving certifies no road that is wider than this part of its radius (road_newton's limit is 0.95).
+  static constexpr double kTight = 0.94;
   // Ends may still be moved a little to meet the next curve.
   static constexpr double kJoinShare = 0.9;
 
@@ -121,8 +120,10 @@ class Divider {
   bool is_certified(Segment& segment) const {
     segment.set_half_width_m({half_width_m_, 0, 0, 0});
     set_bound(segment);
-    const bool straight = std::max(std::abs(segment.slope_start), std::abs(segment.slope_end)) <= kStraightSlope;
-    return is_admissible(segment, kJoinShare * kMappingTolerance) || (straight && !std::isfinite(segment.bound.v));
+    if (is_admissible(segment, kJoinShare * kMappingTolerance)) return true;
+    double most = 0;
+    for (const double u : {0.0, 0.5, 1.0}) most = std::max(most, std::abs(curvature_per_m(segment, u)));
+    return most * half_width_m_ >= kTight;
   }
 
   const PlanCurve& curve_;

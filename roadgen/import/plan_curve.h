@@ -56,9 +56,8 @@ inline constexpr double kPlanTolerance_m = 1e-3;
 inline constexpr double kPlanArcTolerance_m = 1e-6;
 
 // Appends the part p0 <= p <= p1, halved until each piece is within kPlanTolerance_m and kPlanArcTolerance_m of the
-// curve, and certified for the half width (or nearly straight and tighter than the half width allows, where halving
-// gains nothing, or shorter than 1 m). A graph over its chord is taken whole. False where the curve stops, reverses or
-// turns within 2 mm.
+// curve, and certified for the half width unless it is shorter than 0.25 m or the half width is about its radius. A graph
+// over its chord is taken whole. False where the curve stops, reverses or turns within 2 mm.
 // Cost: O(pieces).
 bool divide_curve(const PlanCurve& curve, double p0, double p1, double half_width_m, std::vector<CurvePiece>& pieces);
 

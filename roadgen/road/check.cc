@@ -122,7 +122,7 @@ void find_bad_widths(const Road& road, Findings& findings) {
   }
 }
 
-void find_bad_profiles(const Segment& segment, Findings& findings) {
+void find_steep_profiles(const Segment& segment, Findings& findings) {
   const double s = segment.s_start_m, arc = segment.arc_m;
   const Cubic::Range bank = segment.superelevation_rad.range(arc);
   const double most = std::max(-bank.low, bank.high);
@@ -274,21 +274,21 @@ bool is_finite(const Road& road) {
          std::all_of(road.paint.begin(), road.paint.end(), finite);
 }
 
-std::vector<std::string> value_problems(const Road& road) {
-  Findings findings(road);
+OddValues odd_values(const Road& road) {
   if (road.segments.empty()) return {};
+  Findings problems(road), warnings(road);
   for (const LaneSection& section : road.sections) {
-    if (!is_finite(section)) findings.add(0, "finite section", "a number of a lane section is not finite");
+    if (!is_finite(section)) problems.add(0, "finite section", "a number of a lane section is not finite");
   }
   for (const Segment& segment : road.segments) {
     if (!is_finite(segment) || !(segment.chord_length_m() > 0)) continue;  // told by check()
-    find_bad_profiles(segment, findings);
-    find_tight_bend(segment, findings);
+    find_steep_profiles(segment, warnings);
+    find_tight_bend(segment, problems);
   }
-  find_bad_sections(road, findings);
-  find_bad_widths(road, findings);
-  find_bad_paint(road, findings);
-  return findings.texts();
+  find_bad_sections(road, problems);
+  find_bad_widths(road, problems);
+  find_bad_paint(road, problems);
+  return {problems.texts(), warnings.texts()};
 }
 
 JointGap joint_gap(const Segment& before, const Segment& after) {
@@ -312,7 +312,9 @@ CheckReport check(const Network& network) {
       continue;
     }
     for (const Segment& segment : road.segments) check_segment(road, segment, report);
-    for (std::string& problem : value_problems(road)) report.problems.push_back(std::move(problem));
+    OddValues odd = odd_values(road);
+    for (std::string& problem : odd.problems) report.problems.push_back(std::move(problem));
+    for (std::string& warning : odd.warnings) report.warnings.push_back(std::move(warning));
     for (std::size_t i = 0; i + 1 < road.segments.size(); ++i) {
       check_joint(road, road.segments[i], road.segments[i + 1], report);
     }

@@ -118,17 +118,23 @@ struct CheckReport {
   double max_s_bound_m = 0;           // likewise of |s - exact|
   double max_arc_error_m = 0;         // the part of it that the arc length polynomial has
   std::vector<std::string> problems;  // "road R, s = 123.4 m: what"
+  std::vector<std::string> warnings;  // likewise; see OddValues
   bool ok() const { return problems.empty(); }
 };
 
 // True where every number of the road is.
 bool is_finite(const Road& road);
 
-// What no real road has, as "road R, s = 123.4 m: what", those of a kind counted: lanes of negative width, no lane of any
-// width, superelevation beyond 45 degrees, grades and crossfalls beyond 100 %, bends tighter than the road is wide to
-// their inner edge, paint outside the road or without size, numbers that are not finite, lane sections that do not start
-// at joints. All are drawn nevertheless. Cost: O(segments log segments).
-std::vector<std::string> value_problems(const Road& road);
+// What no real road has, as "road R, s = 123.4 m: what", those of a kind counted; all of it is drawn nevertheless.
+struct OddValues {
+  // Lanes of negative width, no lane of any width, bends tighter than the road is wide to their inner edge, paint outside
+  // the road or without size, numbers that are not finite, lane sections that do not start at joints.
+  std::vector<std::string> problems;
+  // Superelevation beyond 45 degrees, grades and crossfalls beyond 100 %: measured profiles may have them.
+  std::vector<std::string> warnings;
+};
+// Cost: O(segments log segments).
+OddValues odd_values(const Road& road);
 
 // The above for every road, the problems() of junctions, and what roadgen promises of every road. Limits: position
 // 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bounds kMappingTolerance of the half width,

@@ -310,6 +310,8 @@ TEST(OpenDriveGeometry, ArcsSpiralsAndPoly3StayWithinAMillimetre) {
   };
   const Case cases[] = {
       {R"(<arc curvature="0.05"/>)", [](double s) { return 0.3 + 0.05 * s; }},
+      // 0.88 of its radius wide: certified by halving.
+      {R"(<arc curvature="0.22"/>)", [](double s) { return 0.3 + 0.22 * s; }},
       {R"(<arc curvature="-0.001"/>)", [](double s) { return 0.3 - 0.001 * s; }},
       {R"(<spiral curvStart="0" curvEnd="0.04"/>)", [](double s) { return 0.3 + 0.5 * 0.0004 * s * s; }},
       {R"(<spiral curvStart="0.03" curvEnd="-0.02"/>)", [](double s) { return 0.3 + 0.03 * s - 0.5 * 0.0005 * s * s; }},
