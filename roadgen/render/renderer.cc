@@ -13,6 +13,7 @@
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/road_instance.h"
+#include "roadgen/render/sweep_batch.h"
 
 namespace roadgen {
 namespace {
@@ -109,7 +110,7 @@ struct ViewSides {
 
 // The programs of one kind of output.
 struct Programs {
-  Program ground, road_planar, road_relief, sky;
+  Program ground, road_planar, road_relief, sky, sweep;
 };
 
 Result<Programs> compile(const ShaderDefines& defines) {
@@ -123,7 +124,9 @@ Result<Programs> compile(const ShaderDefines& defines) {
   if (!relief) return relief.error();
   auto sky = Program::graphics("sky.vert", "sky.frag", defines);
   if (!sky) return sky.error();
-  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*sky)};
+  auto sweep = Program::graphics("sweep.vert", "sweep.frag", defines);
+  if (!sweep) return sweep.error();
+  return Programs{std::move(*ground), std::move(*planar), std::move(*relief), std::move(*sky), std::move(*sweep)};
 }
 
 // The target of a size, made anew when the size changes.
@@ -165,6 +168,7 @@ struct Renderer::State {
   gl::Buffer frame_uniforms;
   gl::VertexArray empty;
   RoadBatch planar, relief;
+  SweepBatch sweeps;
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
   Lighting lighting;
@@ -235,6 +239,10 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   glBindVertexArray(empty.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDepthMask(GL_TRUE);
+  // After the sky: thin cables fade over it.
+  glDepthFunc(GL_GREATER);
+  sweeps.draw(programs.sweep, camera.position_m,
+              [&](glm::dvec3 center, double radius) { return sides.may_see(center, radius); });
   glBindVertexArray(0);
   glUseProgram(0);
 }
@@ -302,6 +310,7 @@ Status Renderer::load_roads(const Network& network) {
   }
   state_->planar.upload(planar);
   state_->relief.upload(relief);
+  state_->sweeps.upload(network);
   return Done{};
 }
 

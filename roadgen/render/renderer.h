@@ -31,8 +31,8 @@ enum Channel : unsigned {
   kAllChannels = 63,
 };
 
-// Values of the label channel.
-enum class Label : std::uint32_t { kNone = 0, kGround = 1, kCarriageway = 2, kMarking = 3 };
+// Values of the label channel. Structures are the sweeps along roads: tunnels, guard rails, pipes, cables, and their posts.
+enum class Label : std::uint32_t { kNone = 0, kGround = 1, kCarriageway = 2, kMarking = 3, kStructure = 4 };
 
 struct FrameOptions {
   int width = 1280, height = 720;  // pixels, in [1, 16384]
@@ -45,7 +45,7 @@ struct Frame {
   Image8 color;                   // RGBA
   ImageF depth_m;                 // along the view axis, +inf where nothing is
   Image<std::uint32_t> label;     // Label
-  Image<std::uint32_t> instance;  // 1 + index of the road, 0 off the roads
+  Image<std::uint32_t> instance;  // 1 + index of the road, also of its structures; else 0
   ImageF normal;                  // 3 channels: unit, ENU; 0 where nothing is
   ImageF road;                    // 4 channels: index of the road, s (m), t (m), lane; index -1 off the roads
 };

@@ -10,6 +10,7 @@
 
 #include "roadgen/road/result.h"
 #include "roadgen/road/segment.h"
+#include "roadgen/road/sweep.h"
 
 namespace roadgen {
 
@@ -26,6 +27,7 @@ struct Road {
   std::string name;
   bool closed = false;            // the last segment ends at the first one's start
   std::vector<Segment> segments;  // s_start_m increasing from 0
+  std::vector<Sweep> sweeps;      // tunnels, guard rails, pipes, cables along it
 
   double length_m() const { return segments.empty() ? 0 : segments.back().s_start_m + segments.back().arc_m; }
 };

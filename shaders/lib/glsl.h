@@ -119,6 +119,7 @@ struct Library {
 #include "shaders/lib/noise.glsl"
 #include "shaders/lib/sky.glsl"
 #include "shaders/lib/ground.glsl"
+#include "shaders/lib/sweep.glsl"
 #undef OUT
 #undef IN
 #undef FN
