@@ -113,7 +113,7 @@ void main() {
   if (!post && found.body.met < 0.5) discard;
   float k = post ? found.posts.k : found.body.k;
   SweepPoint c = place_at(k, along, p);
-  vec3 normal = world(post ? sweep_post_normal(c, p.posts) : sweep_normal(c, p.path, p.profile));
+  vec3 normal = world(post ? sweep_post_normal(c, p.path, p.posts) : sweep_normal(c, p.path, p.profile));
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
   out_normal = vec4(normal, 0.0);
   out_label = vec2(4.0, i.start_high.w + 1.0);
@@ -133,7 +133,7 @@ void main() {
   }
   if (found.posts.coverage > 0.0) {
     SweepPoint c = place_at(found.posts.k, along, p);
-    vec3 normal = world(sweep_post_normal(c, p.posts));
+    vec3 normal = world(sweep_post_normal(c, p.path, p.posts));
     vec3 position = direction * (reach + found.posts.k);
     vec3 wood = vec3(0.16, 0.12, 0.085);
     bool pole = p.posts.half_s < 0.0;

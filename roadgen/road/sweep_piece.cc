@@ -117,7 +117,7 @@ std::vector<Course> courses(const Road& road, const Sweep& sweep, const Cable& x
                   .axis = Cubic{z0, (z1 - z0) / span - curve * span, curve, 0}};
     if (x.pole_radius_m > 0) {
       const bool last = i + 1 == spans;
-      course.posts = {course.s_from_m, span, last ? 2.0 : 1.0,           -1,
+      course.posts = {course.s_from_m, span, last ? 2.0 : 1.0,           -x.pole_radius_m,
                       x.pole_radius_m, 0,    -x.height_m - kSweepFoot_m, x.pole_above_m};
     }
     list.push_back(course);
@@ -321,8 +321,8 @@ std::optional<SweepMeeting> cast(const Road& road, const SweepPart& part, glm::d
   const double k = post ? found.posts.k : found.body.k;
   const Lib::SweepPoint p =
       Lib::sweep_locate(o.x + k * d.x, o.y + k * d.y, o.z + k * d.z, d.x, d.y, d.z, part.piece.path);
-  const glm::dvec3 n =
-      post ? Lib::sweep_post_normal(p, part.piece.posts) : Lib::sweep_normal(p, part.piece.path, part.piece.profile);
+  const glm::dvec3 n = post ? Lib::sweep_post_normal(p, part.piece.path, part.piece.posts)
+                            : Lib::sweep_normal(p, part.piece.path, part.piece.profile);
   return SweepMeeting{k, {axis.x * n.x - axis.y * n.y, axis.y * n.x + axis.x * n.y, n.z}, post};
 }
 

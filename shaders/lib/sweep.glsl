@@ -58,7 +58,7 @@ struct SweepPosts {
   float first;
   float spacing;
   float count;
-  float half_s;  // half sides along the road and across; half_s < 0: round, of radius half_n
+  float half_s;  // half sides along the road and across; half_s = -half_n: round, of radius half_n
   float half_n;
   float n;
   float low;     // h of foot and top
@@ -395,12 +395,15 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
 // One post against the ray that is at k in the place c, straight in the post's surroundings, and starts at k_low;
 // offset: s from the post.
 FN SweepHit sweep_post(IN(SweepPoint) c, IN(float) k, IN(float) k_low, IN(float) offset, IN(float) pixel,
-                       IN(SweepPosts) posts) {
+                       IN(SweepPath) r, IN(SweepPosts) posts) {
   SweepHit hit = sweep_nothing();
+  // From the axis where the post stands: upright, not along the axis.
   float x = offset * c.stretch;
-  float y = c.n - posts.n;
+  float y = c.n + r.n1 * offset - posts.n;
+  float h = c.h + c.grade * offset;
   float dx = c.ds * c.stretch;
-  float dy = c.dn;
+  float dy = c.dn + r.n1 * c.ds;
+  float dh = c.dh + c.grade * c.ds;
   float speed = max(sqrt(dx * dx + dy * dy), float(1e-6));
   float side = abs(x * dy - y * dx) / speed;
   bool is_round = posts.half_s < 0.0;
@@ -426,13 +429,13 @@ FN SweepHit sweep_post(IN(SweepPoint) c, IN(float) k, IN(float) k_low, IN(float)
   from = max(from, k_low - k);
   if (to < from) return hit;
   // Vertically, and what the top covers.
-  float h_from = c.h + from * c.dh;
-  float h_to = c.h + to * c.dh;
+  float h_from = h + from * dh;
+  float h_to = h + to * dh;
   float lowest = min(h_from, h_to);
   float below = clamp(0.5 + (posts.high - lowest) / pixel, float(0.0), float(1.0));
   if (max(h_from, h_to) < posts.low) below = float(0.0);
   hit.k = k + from;
-  if (h_from > posts.high && c.dh < 0.0 && lowest < posts.high) hit.k = k + (posts.high - c.h) / c.dh;
+  if (h_from > posts.high && dh < 0.0 && lowest < posts.high) hit.k = k + (posts.high - h) / dh;
   hit.coverage = min(marking_stripe(side, -extent, extent, pixel), below);
   hit.met = side < extent && lowest < posts.high && max(h_from, h_to) > posts.low ? float(1.0) : float(0.0);
   return hit;
@@ -461,14 +464,15 @@ FN SweepHit sweep_posts(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
     float spread = (half_s + margin) / c.stretch;
     float time = min(sweep_slab_time(offset, spread, c.ds, r.bend_s * level),
                      sweep_slab_time(other, spread, c.ds, r.bend_s * level));
-    time = max(time, sweep_slab_time(c.n - p.n, p.half_n + margin, c.dn, r.bend_n * level));
-    time = max(time, sweep_slab_time(c.h - 0.5 * (p.low + p.high), 0.5 * (p.high - p.low) + margin, c.dh,
+    time = max(time, sweep_slab_time(c.n - p.n, p.half_n + margin + abs(r.n1) * spread, c.dn, r.bend_n * level));
+    time = max(time, sweep_slab_time(c.h - 0.5 * (p.low + p.high), 0.5 * (p.high - p.low) + margin + abs(c.grade) * spread,
+                                     c.dh,
                                      r.bend_h * level));
     if (time > 0.0) {
       k = k + 0.98 * time + 1e-3;
       continue;
     }
-    SweepHit post = sweep_post(c, k, k_low, offset, width, p);
+    SweepHit post = sweep_post(c, k, k_low, offset, width, r, p);
     if (post.coverage > 0.0 && post.k <= k_high) {
       clear = clear * (1.0 - post.coverage);
       if (post.met > 0.5 || post.coverage > most) {
@@ -518,10 +522,11 @@ FN vec3 sweep_normal(IN(SweepPoint) c, IN(SweepPath) r, IN(SweepProfile) p) {
 }
 
 // Likewise of a post.
-FN vec3 sweep_post_normal(IN(SweepPoint) c, IN(SweepPosts) p) {
-  float x = (c.s - p.first - floor((c.s - p.first) / p.spacing + 0.5) * p.spacing) * c.stretch;
-  float y = c.n - p.n;
-  if (c.h > p.high - 1e-3) return vec3(0.0, 0.0, 1.0);
+FN vec3 sweep_post_normal(IN(SweepPoint) c, IN(SweepPath) r, IN(SweepPosts) p) {
+  float offset = c.s - p.first - floor((c.s - p.first) / p.spacing + 0.5) * p.spacing;
+  float x = offset * c.stretch;
+  float y = c.n + r.n1 * offset - p.n;
+  if (c.h + c.grade * offset > p.high - 1e-3) return vec3(0.0, 0.0, 1.0);
   if (p.half_s >= 0.0) {
     bool ahead = abs(x) - p.half_s > abs(y) - p.half_n;
     float turn = (ahead ? x : y) < 0.0 ? float(-1.0) : float(1.0);
