@@ -30,7 +30,7 @@ vec3 metal(vec3 albedo, vec3 normal, vec3 position) {
   vec3 around = mix(vec3(0.10, 0.10, 0.08), sky, smoothstep(-0.25, 0.25, mirrored.z));
   float clear = sky_transmittance(length(position), sun.w);
   return 0.6 * frame_shade(albedo, normal, position) + 0.4 * (1.0 - clear) * frame_shade(vec3(0.0), normal, position) +
-         0.55 * clear * albedo * around * 1.6;
+         0.7 * clear * albedo * mix(vec3(dot(around, vec3(0.3, 0.6, 0.1))), around, 0.45);
 }
 
 // Light inside a tunnel at a place so far from its ends: daylight fading from the portals, lamps along the crown.
@@ -49,7 +49,11 @@ vec3 body_light(SweepInstance i, SweepPiece p, SweepPoint c, vec3 normal, vec3 p
   float pixel = length(position) * right.w;
   float facing = max(abs(dot(normal, direction)), 0.1);
   float s = c.s + i.kinds.w;
-  float around = abs(normal.z) < 0.7 ? c.h : c.n;
+  // Around the vault, from the crown; over an end, its own plane.
+  float rise = c.h - p.profile.p1;
+  float around = rise > 0.0 ? atan(abs(c.n), rise) * p.profile.p2 : 1.5708 * p.profile.p2 - rise;
+  around = c.n < 0.0 ? -around : around;
+  if (cap) s = c.n, around = c.h;
   float fine = pixel / sqrt(facing);
   float grain = 0.09 * noise_fractal(s, around * 2.0, 4.0, 5, 0.75, fine);
   albedo *= 1.0 + grain;

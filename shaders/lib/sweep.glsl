@@ -336,10 +336,12 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
       hit.residual = abs(distance);
       if (i == 0) hit.residual = float(0.0);
       if (i == 0 && (c.ds > 0.0 ? piece.end0 : piece.end1) > 0.5) {
-        // Through the end: the edge of the cap, a pixel of which is wider by the cap's slant.
+        // Through the end: its edge, a pixel of which is wider by the slant, where no side of the profile is seen beyond.
         vec2 m = sweep_profile_normal(c.n, c.h, p);
-        float slant = (m.x * c.dn + m.y * c.dh) / max(abs(c.ds * c.stretch), float(0.05));
+        float away = m.x * c.dn + m.y * c.dh;
+        float slant = away / max(abs(c.ds * c.stretch), float(0.05));
         hit.coverage = clamp(0.5 - distance / (width * sqrt(1.0 + slant * slant)), float(0.0), float(1.0));
+        if (away < 0.0) hit.coverage = float(1.0);
       } else {
         hit.coverage = sweep_silhouette(c, width, p);
       }
