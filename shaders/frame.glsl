@@ -38,8 +38,9 @@ FrameLight frame_light(vec3 normal, vec3 position) {
 
 vec3 frame_tone(vec3 light) { return vec3(sky_tone(light.x), sky_tone(light.y), sky_tone(light.z)); }
 
-// What a diffuse surface shows.
-vec3 frame_shade(vec3 albedo, FrameLight l) { return frame_tone(mix(l.air, albedo * l.light, l.clear)); }
+// What arrives from a diffuse surface, and what the picture shows of it.
+vec3 frame_radiance(vec3 albedo, FrameLight l) { return mix(l.air, albedo * l.light, l.clear); }
+vec3 frame_shade(vec3 albedo, FrameLight l) { return frame_tone(frame_radiance(albedo, l)); }
 
 // Change of a surface point per pixel step along `axis` (view right or up), by the tangent plane there.
 vec3 frame_footprint(vec3 position, vec3 normal, vec3 axis) {

@@ -18,6 +18,7 @@
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/road_tiles.h"
+#include "roadgen/render/sweep_batch.h"
 
 namespace roadgen {
 namespace {
@@ -75,7 +76,7 @@ struct GroundBatch {
 struct Programs {
   Program ground;
   std::array<Program, kRoadKinds> roads;
-  Program junction, sky;
+  Program junction, sky, sweep;
 };
 
 Result<Programs> compile(const ShaderDefines& defines) {
@@ -94,10 +95,13 @@ Result<Programs> compile(const ShaderDefines& defines) {
   if (!junction) return junction.error();
   auto sky = Program::graphics("sky.vert", "sky.frag", defines);
   if (!sky) return sky.error();
+  auto sweep = Program::graphics("sweep.vert", "sweep.frag", defines);
+  if (!sweep) return sweep.error();
   return Programs{std::move(*ground),
                   {std::move(*planar), std::move(*relief), std::move(*detailed)},
                   std::move(*junction),
-                  std::move(*sky)};
+                  std::move(*sky),
+                  std::move(*sweep)};
 }
 
 // The target of a size, made anew when the size changes.
@@ -141,6 +145,7 @@ struct Renderer::State {
   gl::VertexArray empty;
   RoadTiles roads;
   JunctionBatch junctions;
+  SweepBatch sweeps;
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
   Lighting lighting;
@@ -209,6 +214,9 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     glDisable(GL_CULL_FACE);
   }
   roads.draw({camera, width, height, lighting.haze_range_m, least_contribution}, options.cull, programs.roads);
+  // After the sky and the roads: thin cables fade over them.
+  sweeps.draw(programs.sweep, camera.position_m,
+              [&](glm::dvec3 center, double radius) { return frustum.may_see(center, radius); });
   glBindVertexArray(0);
   glUseProgram(0);
 }
@@ -295,6 +303,7 @@ Status Renderer::load_roads(const Network& network) {
   if (Status s = state_->context.make_current(); !s) return s;
   state_->roads = RoadTiles(road_scene(network), state_->options.gpu_budget_bytes);
   state_->junctions.upload(network);
+  state_->sweeps.upload(network);
   return Done{};
 }
 

@@ -33,8 +33,8 @@ enum Channel : unsigned {
   kAllChannels = 63,
 };
 
-// Values of the label channel.
-enum class Label : std::uint32_t { kNone = 0, kGround = 1, kCarriageway = 2, kMarking = 3 };
+// Values of the label channel. Structures are the sweeps along roads: tunnels, guard rails, pipes, cables, and their posts.
+enum class Label : std::uint32_t { kNone = 0, kGround = 1, kCarriageway = 2, kMarking = 3, kStructure = 4 };
 
 struct FrameOptions {
   int width = 1280, height = 720;  // pixels, in [1, 16384]
@@ -47,7 +47,8 @@ struct Frame {
   Image8 color;                   // RGBA
   ImageF depth_m;                 // along the view axis, +inf where nothing is
   Image<std::uint32_t> label;     // Label
-  Image<std::uint32_t> instance;  // 1 + index of the road; 1 + number of roads + index of the junction; 0 elsewhere
+  // 1 + index of the road, also of its structures; 1 + number of roads + index of the junction; 0 elsewhere
+  Image<std::uint32_t> instance;
   ImageF normal;                  // 3 channels: unit, ENU; 0 where nothing is
   // 4 channels: index of the road, s (m), t (m), lane; on a junction -2 - its index, x and y (m, ENU) from its centre
   // (JunctionSurface::center_m), 0; elsewhere index -1.

@@ -121,6 +121,7 @@ struct Library {
 #include "shaders/lib/ground.glsl"
 #include "shaders/lib/material.glsl"
 #include "shaders/lib/junction.glsl"
+#include "shaders/lib/sweep.glsl"
 #undef OUT
 #undef IN
 #undef FN
