@@ -219,7 +219,7 @@ bool make_piece(const Sweep& sweep, const Course& course, const Segment& segment
   piece.y0 = chord * c.f.low + n.low * (n.low < 0 ? 1 : lean) - pad * steep;
   piece.y1 = chord * c.f.high + n.high * (n.high > 0 ? 1 : lean) + pad * steep;
   const double span = s.high - s.low;
-  const Cubic here = shifted(axis, s.low);
+  const Cubic here = axis.shifted(s.low);
   const Cubic::Range height = here.range(span);
   const double grade = std::max({std::abs(here.slope(0)), std::abs(here.slope(span)),
                                  here.c3 != 0 && -here.c2 / (3 * here.c3) > 0 && -here.c2 / (3 * here.c3) < span
