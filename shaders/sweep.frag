@@ -54,6 +54,7 @@ vec3 body_light(SweepInstance i, SweepPiece p, SweepPoint c, vec3 normal, vec3 p
   float around = rise > 0.0 ? atan(abs(c.n), rise) * p.profile.p2 : 1.5708 * p.profile.p2 - rise;
   around = c.n < 0.0 ? -around : around;
   if (cap) s = c.n, around = c.h;
+  if (normal.z > 0.5 && c.h < 0.5) around = c.n;
   float fine = pixel / sqrt(facing);
   float grain = 0.09 * noise_fractal(s, around * 2.0, 4.0, 5, 0.75, fine);
   albedo *= 1.0 + grain;
@@ -62,11 +63,11 @@ vec3 body_light(SweepInstance i, SweepPiece p, SweepPoint c, vec3 normal, vec3 p
   bool inside = (lining || p.profile.kind == SWEEP_HEAD_WALL) && (!cap || (lining && p.end0 + p.end1 < 0.5)) &&
                 hollow < min(0.1, 0.5 * i.profile.w);
   if (!inside) return frame_radiance(albedo, frame_light(normal, position));
-  // Rings of the lining every 10 m, dirt low on the walls.
+  // Rings of the lining every 10 m, dirt low on the walls, not on the walkways.
   float along = c.s + i.start_low.w;
   float pixel_s = pixel / max(sqrt(1.0 - min(c.ds * c.ds, 0.9999)), 0.02);
   albedo *= 1.0 - 0.35 * marking_dash_box(along, 10.0, 0.06, pixel_s);
-  albedo *= mix(0.6, 1.0, smoothstep(0.0, 1.6, c.h + 0.4 * grain));
+  albedo *= normal.z > 0.5 ? 0.9 : mix(0.6, 1.0, smoothstep(0.0, 1.6, c.h + 0.4 * grain));
   vec3 light = albedo * tunnel_light(i, c.s, normal);
   // Lamps under the crown.
   float lamp = marking_dash_box(along - 0.5 * i.arc.w + 0.6, i.arc.w, 1.2, pixel_s) *

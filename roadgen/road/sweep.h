@@ -25,7 +25,7 @@ struct Tunnel {
   double lining_m = 0.45;      // > 0
   double head_wall_m = 0.8;    // thickness of the head walls; 0: none
   double head_margin_m = 1.2;  // of the head walls beyond the lining, to the sides and above; >= 0
-  double walkway_m = 1.3;      // width of the walkways along both walls, in [0, half_width_m)
+  double walkway_m = 1.5;      // width of the walkways along both walls, in [0, half_width_m)
   double lamp_spacing_m = 12;  // > 0
 };
 

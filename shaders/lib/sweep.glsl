@@ -308,7 +308,15 @@ FN float sweep_silhouette(IN(SweepPoint) c, IN(float) pixel, IN(SweepProfile) p)
   float eh = c.dn / speed;
   float lean = c.grade / c.stretch * eh;
   float width = pixel * sqrt(1.0 + lean * lean);
-  return marking_stripe(en * c.n + eh * c.h, -sweep_support(-en, -eh, p), sweep_support(en, eh, p), width);
+  return filter_band(en * c.n + eh * c.h, -sweep_support(-en, -eh, p), sweep_support(en, eh, p), width, float(0.0));
+}
+
+// Negative while the ray nears the profile seen from outside, positive while it leaves: by the distance from the part
+// of the profile's middle that its side here is around.
+FN float sweep_leaving(IN(SweepPoint) c, IN(SweepProfile) p) {
+  if (p.kind <= SWEEP_BEAM) return c.n * c.dn + c.h * c.dh;
+  if (p.kind == SWEEP_LINING) return c.n * c.dn + max(c.h - p.p1, float(0.0)) * c.dh;
+  return abs(c.n) - p.p3 > c.h - p.p5 ? c.n * c.dn : c.dh;
 }
 
 // Where the ray (x, y, z) + k (dx, dy, dz) of unit speed, k in [k_low, k_high], first meets the profile. reach + k is
@@ -321,7 +329,6 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
   SweepHit hit = sweep_nothing();
   float level = dx * dx + dy * dy;
   float k = k_low;
-  // The ray's approach of the axis: negative while it comes nearer.
   float leaving = float(0.0);
   float k_before = k_low;
   for (int i = 0; i < SWEEP_STEPS; ++i) {
@@ -344,12 +351,23 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
         if (away < 0.0) hit.coverage = float(1.0);
       } else {
         hit.coverage = sweep_silhouette(c, width, p);
+        // The road's own bends and crests have silhouettes too: there the ray dives in by less than half a pixel and
+        // turns back, deepest closing^2 / (2 turning) below the tangent plane of the meeting.
+        vec2 m = sweep_profile_normal(c.n, c.h, p);
+        float closing = -(m.x * c.dn + m.y * c.dh);
+        float bend = max(sqrt(r.bend_n * r.bend_n + r.bend_h * r.bend_h) * level, float(1e-6));
+        if (closing * closing < bend * width) {
+          float e = min(sqrt(width / bend), float(2.0));
+          SweepPoint q = sweep_locate(x + (k + e) * dx, y + (k + e) * dy, z + (k + e) * dz, dx, dy, dz, r);
+          float turning = max((m.x * q.dn + m.y * q.dh + closing) / e, float(1e-9));
+          hit.coverage = min(hit.coverage, 0.5 + 0.5 * closing * closing / (turning * width));
+        }
       }
       return hit;
     }
     // Misses by less than half a pixel.
     // At an end that the ray leaves the nearest place lies in the neighbour, which covers it.
-    float rate = c.n * c.dn + c.h * c.dh;
+    float rate = sweep_leaving(c, p);
     bool elsewhere = p.kind <= SWEEP_BEAM && ((i == 0 && rate > 0.0) || (k >= k_high && rate < 0.0));
     float near = elsewhere ? float(0.0) : 0.5 - distance / width;
     if (near > hit.coverage) {
@@ -368,7 +386,7 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
       for (int j = 0; j < 4; ++j) {
         float middle = k0 + (k1 - k0) * clamp(r0 / (r0 - r1), float(0.02), float(0.98));
         SweepPoint q = sweep_locate(x + middle * dx, y + middle * dy, z + middle * dz, dx, dy, dz, r);
-        float there = q.n * q.dn + q.h * q.dh;
+        float there = sweep_leaving(q, p);
         float wide = pixel * max(reach + middle, float(1e-3));
         float closest = min(0.5 - sweep_distance(q.n, q.h, p) / wide, sweep_silhouette(q, wide, p));
         if (closest > hit.coverage) {
@@ -438,7 +456,7 @@ FN SweepHit sweep_post(IN(SweepPoint) c, IN(float) k, IN(float) k_low, IN(float)
   if (max(h_from, h_to) < posts.low) below = float(0.0);
   hit.k = k + from;
   if (h_from > posts.high && dh < 0.0 && lowest < posts.high) hit.k = k + (posts.high - h) / dh;
-  hit.coverage = min(marking_stripe(side, -extent, extent, pixel), below);
+  hit.coverage = min(filter_band(side, -extent, extent, pixel, float(0.0)), below);
   hit.met = side < extent && lowest < posts.high && max(h_from, h_to) > posts.low ? float(1.0) : float(0.0);
   return hit;
 }

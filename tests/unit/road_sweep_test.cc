@@ -309,7 +309,7 @@ TEST(SweepProblems, NamesTheRoadThePlaceAndTheFault) {
     EXPECT_NE(list[0].find(c.text), std::string::npos) << list[0];
     EXPECT_NE(list[0].find("road R, s = "), std::string::npos) << list[0];
   }
-  EXPECT_FALSE(problems(Road{.id = "E", .name = {}, .segments = {}, .sweeps = {}}, Sweep{}).empty());
+  EXPECT_FALSE(problems(Road{.id = "E", .name = {}, .segments = {}, .sections = {}, .paint = {}, .sweeps = {}}, Sweep{}).empty());
 }
 
 TEST(SweepProblems, BadSweepsHaveNoPartsAndLongOnesAreCutOff) {
