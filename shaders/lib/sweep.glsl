@@ -1,5 +1,5 @@
-// Profiles swept along the road's curve, and rays cast at them: pipes, cables, guard rails on posts, tunnels. A piece is
-// one profile over a part of one segment (road.glsl) over which the height of its axis is a cubic of s.
+// Profiles swept along the road's curve, and rays cast at them: pipes, cables, guard rails on posts, tunnels. A piece
+// is one profile over a part of one segment (road.glsl) over which the height of its axis is a cubic of s.
 //
 // Cross sections are vertical planes perpendicular to the horizontal tangent of the centre line. In one, n is the
 // horizontal distance from the axis (left positive) and h the height above it; the axis itself stands n0 + n1 s left of
@@ -39,8 +39,8 @@ struct SweepPath {
   float bend_s;
 };
 
-// By kind. TUBE: radius. BEAM: half height, depth, half thickness, +1 where the ridges face left and -1 where right; the
-// back is at n = 0. LINING and HEAD_WALL, around a vault: its half width, height of the arch's centre, radius of the
+// By kind. TUBE: radius. BEAM: half height, depth, half thickness, +1 where the ridges face left and -1 where right;
+// the back is at n = 0. LINING and HEAD_WALL, around a vault: its half width, height of the arch's centre, radius of the
 // arch; then LINING: thickness, depth of the foot below h = 0, half width between the walkways along the walls;
 // HEAD_WALL: half width, depth of the foot, top.
 struct SweepProfile {
@@ -349,7 +349,7 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
       hit.residual = abs(distance);
       if (i == 0) hit.residual = float(0.0);
       if (i == 0 && (c.ds > 0.0 ? piece.end0 : piece.end1) > 0.5) {
-        // Through the end: its edge, a pixel of which is wider by the slant, where no side of the profile is seen beyond.
+        // Through the end: its edge, a pixel of which is wider by the slant, where no side is seen beyond it.
         vec2 m = sweep_profile_normal(c.n, c.h, p);
         float away = m.x * c.dn + m.y * c.dh;
         float slant = away / max(abs(c.ds * c.stretch), float(0.05));
