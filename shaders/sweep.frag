@@ -81,7 +81,7 @@ SweepPoint place_at(float k, vec3 along, SweepPiece p) {
 }
 
 #ifndef CHANNELS
-// Just above the road, which was drawn in daylight and is darkened from there.
+// A tunnel's floor: just above the road, which was drawn in daylight and is darkened from there.
 const float floor_m = 0.05;
 
 // Where the ray comes down to the floor of the tunnel, or lies below it at an end; SWEEP_FAR where it does not. k: the

@@ -76,8 +76,8 @@ inline constexpr double kSweepFoot_m = 0.6;
 // Least part of its length that a road's centre line may keep at the inside of a sweep: 1 - n / radius of curvature.
 inline constexpr double kLeastStretch = 0.2;
 
-// What is wrong with a sweep, each "road R, s = 12.300 m: what"; empty where nothing is. A sweep with a bad number is not
-// drawn, one that runs past the road is cut off there, and where the road bends tighter than it allows there is a gap.
+// What is wrong with a sweep, each "road R, s = 12.300 m: what"; empty where nothing is. A sweep with a bad number is
+// not drawn, one that runs past the road is cut off there, and where the road bends tighter than it allows there is a gap.
 // Cost: O(segments).
 std::vector<std::string> problems(const Road& road, const Sweep& sweep);
 

@@ -1,5 +1,5 @@
-// Profiles swept along the road's curve, and rays cast at them: pipes, cables, guard rails on posts, tunnels. A piece is
-// one profile over a part of one segment (road.glsl), no longer than its axis is a cubic; nothing is tessellated.
+// Profiles swept along the road's curve, and rays cast at them: pipes, cables, guard rails on posts, tunnels. A piece
+// is one profile over a part of one segment (road.glsl) over which the height of its axis is a cubic of s.
 //
 // Cross sections are vertical planes perpendicular to the horizontal tangent of the centre line. In one, n is the
 // horizontal distance from the axis (left positive) and h the height above it; the axis itself stands n0 + n1 s left of
@@ -39,8 +39,8 @@ struct SweepPath {
   float bend_s;
 };
 
-// By kind. TUBE: radius. BEAM: half height, depth, half thickness, +1 where the ridges face left and -1 where right; the
-// back is at n = 0. LINING and HEAD_WALL, around a vault: its half width, height of the arch's centre, radius of the
+// By kind. TUBE: radius. BEAM: half height, depth, half thickness, +1 where the ridges face left and -1 where right;
+// the back is at n = 0. LINING and HEAD_WALL, around a vault: its half width, height of the arch's centre, radius of the
 // arch; then LINING: thickness, depth of the foot below h = 0, half width between the walkways along the walls;
 // HEAD_WALL: half width, depth of the foot, top.
 struct SweepProfile {
@@ -331,6 +331,12 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
   float k = k_low;
   float leaving = float(0.0);
   float k_before = k_low;
+  // The passage of the nearest miss.
+  float closest = float(SWEEP_FAR);
+  float k0 = float(0.0);
+  float k1 = float(0.0);
+  float r0 = float(0.0);
+  float r1 = float(0.0);
   for (int i = 0; i < SWEEP_STEPS; ++i) {
     SweepPoint c = sweep_locate(x + k * dx, y + k * dy, z + k * dz, dx, dy, dz, r);
     float distance = sweep_distance(c.n, c.h, p);
@@ -343,7 +349,7 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
       hit.residual = abs(distance);
       if (i == 0) hit.residual = float(0.0);
       if (i == 0 && (c.ds > 0.0 ? piece.end0 : piece.end1) > 0.5) {
-        // Through the end: its edge, a pixel of which is wider by the slant, where no side of the profile is seen beyond.
+        // Through the end: its edge, a pixel of which is wider by the slant, where no side is seen beyond it.
         vec2 m = sweep_profile_normal(c.n, c.h, p);
         float away = m.x * c.dn + m.y * c.dh;
         float slant = away / max(abs(c.ds * c.stretch), float(0.05));
@@ -377,37 +383,40 @@ FN SweepHit sweep_march(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
         hit.k = k;
       }
     }
-    // Between approach and departure lies the nearest place: three steps of the false position.
-    if (leaving < 0.0 && rate > 0.0 && distance > 0.0) {
-      float k0 = k_before;
-      float k1 = k;
-      float r0 = leaving;
-      float r1 = rate;
-      for (int j = 0; j < 4; ++j) {
-        float middle = k0 + (k1 - k0) * clamp(r0 / (r0 - r1), float(0.02), float(0.98));
-        SweepPoint q = sweep_locate(x + middle * dx, y + middle * dy, z + middle * dz, dx, dy, dz, r);
-        float there = sweep_leaving(q, p);
-        float wide = pixel * max(reach + middle, float(1e-3));
-        float closest = min(0.5 - sweep_distance(q.n, q.h, p) / wide, sweep_silhouette(q, wide, p));
-        if (closest > hit.coverage) {
-          hit.coverage = closest;
-          hit.k = middle;
-        }
-        if (there < 0.0) {
-          k0 = middle;
-          r0 = there;
-          r1 = r1 * 0.5;
-        } else {
-          k1 = middle;
-          r1 = there;
-          r0 = r0 * 0.5;
-        }
-      }
+    // Between approach and departure lies the nearest place.
+    if (leaving < 0.0 && rate > 0.0 && distance > 0.0 && distance / width < closest) {
+      closest = distance / width;
+      k0 = k_before;
+      k1 = k;
+      r0 = leaving;
+      r1 = rate;
     }
     leaving = rate;
     k_before = k;
     if (k >= k_high) break;
     k = min(k + 0.98 * sweep_step(c, distance, 2.0 * tolerance, r.bend_n * level, r.bend_h * level, p), k_high);
+  }
+  // A miss: four steps of the false position toward the nearest place.
+  for (int j = 0; j < 4; ++j) {
+    if (!(k0 < k1)) break;
+    float middle = k0 + (k1 - k0) * clamp(r0 / (r0 - r1), float(0.02), float(0.98));
+    SweepPoint q = sweep_locate(x + middle * dx, y + middle * dy, z + middle * dz, dx, dy, dz, r);
+    float there = sweep_leaving(q, p);
+    float wide = pixel * max(reach + middle, float(1e-3));
+    float near = min(0.5 - sweep_distance(q.n, q.h, p) / wide, sweep_silhouette(q, wide, p));
+    if (near > hit.coverage) {
+      hit.coverage = near;
+      hit.k = middle;
+    }
+    if (there < 0.0) {
+      k0 = middle;
+      r0 = there;
+      r1 = r1 * 0.5;
+    } else {
+      k1 = middle;
+      r1 = there;
+      r0 = r0 * 0.5;
+    }
   }
   return hit;
 }
