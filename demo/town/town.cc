@@ -116,6 +116,13 @@ Result<Network> town() {
   stop_at(*east, false, 2);
   stop_at(*south, true, 1);
   stop_at(*north, false, 1);
+  const double beside = width_m(wide) + 0.4;
+  east->sweeps = {{.s_start_m = 150, .s_end_m = 300, .t_m = -beside, .shape = GuardRail{}}};
+  north->sweeps = {{.s_start_m = 8, .s_end_m = 98, .t_m = width_m(narrow) + 1, .shape = Cable{.span_m = 30}}};
+  south->sweeps = {
+      {.s_start_m = 15,
+       .s_end_m = 60,
+       .shape = Tunnel{.half_width_m = width_m(narrow) + 0.3, .wall_height_m = 3, .arch_rise_m = 4.5, .walkway_m = 0}}};
   for (auto* made : {&west, &east, &south, &north}) network.roads.push_back(std::move(**made));
   const Status crossing = add_crossing(
       network, "market", {{"west street", true}, {"high street", false}, {"mill lane", true}, {"hill road", false}},

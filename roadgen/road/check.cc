@@ -315,6 +315,9 @@ CheckReport check(const Network& network) {
     OddValues odd = odd_values(road);
     for (std::string& problem : odd.problems) report.problems.push_back(std::move(problem));
     for (std::string& warning : odd.warnings) report.warnings.push_back(std::move(warning));
+    for (const Sweep& sweep : road.sweeps) {
+      for (std::string& problem : problems(road, sweep)) report.problems.push_back(std::move(problem));
+    }
     for (std::size_t i = 0; i + 1 < road.segments.size(); ++i) {
       check_joint(road, road.segments[i], road.segments[i + 1], report);
     }
