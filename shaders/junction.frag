@@ -197,7 +197,7 @@ void main() {
   vec3 k1 = (high - point) * inverse;
   vec3 enter = min(k0, k1);
   vec3 leave = max(k0, k1);
-  float near = max(max(enter.x, enter.y), max(enter.z, -reach));
+  float near = max(max(enter.x, enter.y), max(enter.z, reach * (forward.w / max(dot(along, forward.xyz) * reach, 1e-6) - 1.0)));
   float far = min(leave.x, min(leave.y, leave.z));
   if (!(near < far)) discard;
   // A hundredth of a pixel, or a millimetre.

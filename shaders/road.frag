@@ -115,7 +115,8 @@ Ray eye_ray(RoadSurface r) {
   float room = (box.y - box.x) * 0.5;
   float before = (ids.w & kOpenStart) != 0u ? room : hair;
   float behind = (ids.w & kOpenEnd) != 0u ? room : hair;
-  ray.k = vec2(-ray.reach, 1e6);
+  // From the near plane on, as the quads of planar segments are clipped.
+  ray.k = vec2(ray.reach * (forward.w / max(dot(relative, forward.xyz), 1e-6) - 1.0), 1e6);
   clip_interval(ray.k, ray.from.x + r.a * ray.from.y + before, ray.toward.x + r.a * ray.toward.y);
   clip_interval(ray.k, 1.0 - ray.from.x - r.b * ray.from.y + behind, -ray.toward.x - r.b * ray.toward.y);
   clip_interval(ray.k, ray.from.y - box.x, ray.toward.y);

@@ -44,12 +44,12 @@ struct FrameOptions {
 
 // A channel that was not asked for has no pixels.
 struct Frame {
-  Image8 color;                   // RGBA
-  ImageF depth_m;                 // along the view axis, +inf where nothing is
-  Image<std::uint32_t> label;     // Label
+  Image8 color;                // RGBA
+  ImageF depth_m;              // along the view axis, +inf where nothing is
+  Image<std::uint32_t> label;  // Label
   // 1 + index of the road, also of its structures; 1 + number of roads + index of the junction; 0 elsewhere
   Image<std::uint32_t> instance;
-  ImageF normal;                  // 3 channels: unit, ENU; 0 where nothing is
+  ImageF normal;  // 3 channels: unit, ENU; 0 where nothing is
   // 4 channels: index of the road, s (m), t (m), lane; on a junction -2 - its index, x and y (m, ENU) from its centre
   // (JunctionSurface::center_m), 0; elsewhere index -1.
   ImageF road;

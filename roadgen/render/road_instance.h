@@ -1,8 +1,8 @@
 // A network as the GPU sees it: tiles of segments, and the tables that segments refer to.
 #pragma once
 
-#include <cstddef>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -69,8 +69,8 @@ inline constexpr double kGreatestMargin_m = 2;
 struct RoadScene {
   std::vector<RoadTile> tiles;
   std::array<std::vector<RoadInstance>, kRoadKinds> instances;  // by tile, in a tile from low to high
-  Table sections;                    // layout: shaders/sections.glsl
-  Table paint;                       // likewise
+  Table sections;                                               // layout: shaders/sections.glsl
+  Table paint;                                                  // likewise
 };
 RoadScene road_scene(const Network& network);
 

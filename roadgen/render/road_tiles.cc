@@ -51,10 +51,7 @@ gl::VertexArray instance_array() {
 }  // namespace
 
 RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
-    : scene_(std::move(scene)),
-      index_(scene_.tiles),
-      vertex_array_(instance_array()),
-      commands_(gl::Buffer::create()) {
+    : scene_(std::move(scene)), index_(scene_.tiles), vertex_array_(instance_array()), commands_(gl::Buffer::create()) {
   std::uint32_t page_count = 0;
   for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {
     first_page_[kind] = page_count;

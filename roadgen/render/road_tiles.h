@@ -60,7 +60,7 @@ class RoadTiles {
   gl::VertexArray vertex_array_;
   gl::Buffer pool_, commands_, tiles_, sections_, paint_;
   std::array<std::uint32_t, kRoadKinds> first_page_{};  // of each kind's instances
-  std::list<Slot> slots_;          // least recently used first
+  std::list<Slot> slots_;                               // least recently used first
   std::vector<std::optional<std::list<Slot>::iterator>> slot_of_page_;
   std::uint64_t batch_ = 1;
   std::vector<DrawCommand> pending_;

@@ -36,7 +36,7 @@ struct Road {
   // segments: set_sections or two_lane_sections.
   std::vector<LaneSection> sections;
   std::vector<Paint> paint;
-  std::vector<Sweep> sweeps;      // tunnels, guard rails, pipes, cables along it
+  std::vector<Sweep> sweeps;  // tunnels, guard rails, pipes, cables along it
 
   double length_m() const { return segments.empty() ? 0 : segments.back().s_start_m + segments.back().arc_m; }
 };

@@ -14,9 +14,7 @@ struct Interval {
 
 // The road's surface at offset t, above z = 0, over s from the segment's start: its height and slope at both ends.
 Cubic surface_under(const Segment& segment, double t_m) {
-  const auto at = [&](double s) {
-    return surface_at(segment, s, t_m * std::cos(segment.superelevation_rad.value(s)));
-  };
+  const auto at = [&](double s) { return surface_at(segment, s, t_m * std::cos(segment.superelevation_rad.value(s))); };
   const Lib::SurfaceSlope start = at(0), end = at(segment.arc_m);
   return Cubic::hermite(start.height, start.ahead, end.height, end.ahead, segment.arc_m);
 }

@@ -164,6 +164,25 @@ std::size_t road_pixels(const Frame& frame) {
   return count;
 }
 
+// Pixels that differ though all about them are road (or not) in the whole picture: other programs may round the edge's
+// own pixels the other way.
+int holes(const Frame& picture, const Frame& whole) {
+  int count = 0;
+  for (int y = 1; y + 1 < kHeight; ++y) {
+    for (int x = 1; x + 1 < kWidth; ++x) {
+      if (picture.instance.at(x, y, 0) == whole.instance.at(x, y, 0)) continue;
+      bool inside = true;
+      for (int j = -1; j <= 1; ++j) {
+        for (int i = -1; i <= 1; ++i) {
+          inside = inside && whole.instance.at(x + i, y + j, 0) == whole.instance.at(x, y, 0);
+        }
+      }
+      count += inside;
+    }
+  }
+  return count;
+}
+
 TEST_F(BadRoadTest, EveryBadRoadIsNamedAndDrawnSanely) {
   const Road good = bend(30);
   for (const Case& c : cases()) {
@@ -186,7 +205,7 @@ TEST_F(BadRoadTest, EveryBadRoadIsNamedAndDrawnSanely) {
       seen += road_pixels(picture);
       if (!c.same_shape) continue;
       const Frame whole = frame(good, camera);
-      EXPECT_EQ(picture.instance.pixels, whole.instance.pixels) << c.says << ": the road has a hole";
+      EXPECT_EQ(holes(picture, whole), 0) << c.says << ": the road has a hole";
     }
     if (std::string_view(c.says) != "no lane has any width") {
       EXPECT_GT(seen, 1000u) << c.says;

@@ -136,7 +136,8 @@ TEST_F(GroundTest, NoGroundIsMixedIntoTheRoadsPicture) {
         if (!inside) continue;
         ++compared;
         int difference = 0;
-        for (int c = 0; c < 3; ++c) difference = std::max(difference, std::abs(real->color.at(x, y, c) - away->color.at(x, y, c)));
+        for (int c = 0; c < 3; ++c)
+          difference = std::max(difference, std::abs(real->color.at(x, y, c) - away->color.at(x, y, c)));
         mixed += difference > 2;
       }
     }
