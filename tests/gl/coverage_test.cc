@@ -144,8 +144,8 @@ Scene scene(const std::string& name) {
 class FlatShaders {
  public:
   FlatShaders() {
-    replace("lib/material.glsl", {"material_albedo"},
-            "FN vec3 material_albedo(int m, float s, float t, float wheel, float seed, float ws, float wt) {\n" +
+    replace("lib/material.glsl", {"material_color"},
+            "FN vec3 material_color(int m, float s, float t, float wheel, vec3 noise, float ws, float wt) {\n" +
                 flat_colors() + "}\n");
     replace("lib/marking.glsl", {"marking_color"}, "FN vec3 marking_color(int color) { return vec3(1.0); }\n");
     replace("lib/sky.glsl", {"sky_sun_color", "sky_ambient", "sky_transmittance", "sky_tone"},
@@ -332,7 +332,7 @@ TEST_P(CoverageTest, EveryPixelIsTheMeanOverItsArea) {
     EXPECT_LE(figures.coverage_mean(), 0.02);
     // What is off beyond it: crests, seen against the sky or against the road behind them, which end in whole pixels; the
     // far row of pixels that many segments share; noise where the pixel lies askew to the road.
-    EXPECT_GE(figures.right(), 0.992);
+    EXPECT_GE(figures.right(), 0.993);
   }
 }
 
@@ -361,8 +361,7 @@ TEST_P(CoverageTest, DepthLiesOnTheLanes) {
     }
     std::printf("%-18s height: worst %.2f of max(pixel / 1000, 1 mm), %.2e m (%d, %d); beyond it %zu of %zu\n",
                 (s.name + " " + view.name).c_str(), worst, worst_m, worst_at.x, worst_at.y, beyond, compared);
-    // Raised strips that are seen beyond a joint are extended straight from it, up to where a grazing ray comes down.
-    EXPECT_LE(worst, s.name == "Town" && view.name == "grazing" ? 20 : s.name == "Town" ? 5 : 1) << view.name;
+    EXPECT_LE(worst, 1) << view.name;
   }
 }
 
