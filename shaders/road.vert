@@ -61,9 +61,9 @@ Room room_at(vec3 start, float rise, bool at_end, bool at_left) {
   vec2 slant = sine / sqrt(view.yx * view.yx + view * view * sine * sine);
   Room room;
   room.pixel = right.w * away;
-  room.beside = clamp(2.0 * room.pixel / slant.y, 0.02, 200.0) / chord;
+  room.beside = clamp(2.0 * room.pixel / slant.y, 0.02, 25.0) / chord;
   bool is_open = (in_ids.w & (at_end ? 2u : 1u)) != 0u;
-  room.beyond = clamp((is_open ? 2.0 : 0.8) * room.pixel / slant.x, 0.01, 200.0) / chord;
+  room.beyond = clamp((is_open ? 2.0 : 0.8) * room.pixel / slant.x, 0.01, 25.0) / chord;
   // The lines through the anchors must not cross within it.
   float turn = (in_shape.w - in_shape.z) * (at_left ? 1.0 : -1.0);
   if (turn > 0.0) room.beside = min(room.beside, max(0.8 / turn - abs(y), 0.02 / chord));

@@ -241,9 +241,6 @@ RoadScene road_scene(const Network& network) {
       box.high_m.z += all[i].section->heights.high;
       tile.bounds.add(box.low_m);
       tile.bounds.add(box.high_m);
-      // Sideways by the margin; ahead as far again as the joint's line then runs, and once more.
-      const double slope = std::max(std::abs(segment.slope_start), std::abs(segment.slope_end));
-      tile.margin_m = std::max(tile.margin_m, kGreatestMargin_m * std::hypot(1, 1 + slope));
     }
     for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {
       RoadTile::Range& range = tile.ranges[kind];

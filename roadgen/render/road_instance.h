@@ -55,16 +55,13 @@ inline constexpr std::size_t kRoadKinds = 3;
 // Segments that lie together; their starts are floats relative to origin_m.
 struct RoadTile {
   glm::dvec3 origin_m{0, 0, 0};
-  Bounds bounds;        // of all footprints and lanes' heights
-  double margin_m = 0;  // that the quads and boxes which road.vert draws may reach beyond the bounds
+  Bounds bounds;  // of all footprints and lanes' heights
   struct Range {
     std::uint32_t first = 0, count = 0;
   };
   std::array<Range, kRoadKinds> ranges;  // of RoadScene::instances
 };
 inline constexpr double kTileSize_m = 256;
-// road.vert widens quads and boxes by at most this for the antialiased edge.
-inline constexpr double kGreatestMargin_m = 2;
 
 struct RoadScene {
   std::vector<RoadTile> tiles;

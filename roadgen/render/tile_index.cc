@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -20,7 +21,6 @@ TileIndex::TileIndex(std::span<const RoadTile> tiles) {
   if (tiles.empty()) return;
   for (const RoadTile& tile : tiles) {
     cells_.push_back(tile.origin_m / kTileSize_m);
-    margin_m_ = glm::max(margin_m_, glm::dvec3(tile.margin_m));
   }
   std::vector<std::uint32_t> order(tiles.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -60,14 +60,22 @@ void TileIndex::select(const TileView& view, std::vector<std::uint32_t>& visible
   visible.clear();
   if (nodes_.empty()) return;
   const glm::dvec3 eye = view.camera.position_m;
-  const Frustum frustum(view.camera, static_cast<double>(view.width) / view.height);
+  Camera endless = view.camera;
+  endless.far_m = std::numeric_limits<double>::infinity();
+  const Frustum frustum(endless, static_cast<double>(view.width) / view.height);
+  const glm::dvec3 forward = view_axes(view.camera).forward;
   std::uint32_t stack[kStack];
   int top = 0;
   stack[top++] = 0;
   while (top > 0) {
     const Node& node = nodes_[stack[--top]];
     const glm::dvec3 low = node.low_m - eye, high = node.high_m - eye;
-    if (!frustum.may_see(low - margin_m_, high + margin_m_)) continue;
+    const double room = room_m(view, low, high);
+    if (!frustum.may_see(low - room, high + room)) continue;
+    // The far plane needs no room: it is a wish, not the picture's border.
+    const glm::dvec3 nearest(forward.x > 0 ? low.x : high.x, forward.y > 0 ? low.y : high.y,
+                             forward.z > 0 ? low.z : high.z);
+    if (glm::dot(forward, nearest) > view.camera.far_m) continue;
     // A box contributes at least as much as any within it.
     if (view.least_contribution > 0 && contribution(view, low, high) < view.least_contribution) continue;
     if (node.is_leaf) {
@@ -96,6 +104,14 @@ void TileIndex::sort(const TileView& view, std::vector<std::uint32_t>& tiles) co
   }
   std::sort(keys.begin(), keys.end());
   std::transform(keys.begin(), keys.end(), tiles.begin(), [](const auto& key) { return key.second; });
+}
+
+double TileIndex::room_m(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m) {
+  const double pixel = 2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360) / view.height;
+  const double away = glm::length(glm::max(-low_m, high_m));
+  const double sine = std::max(std::max({low_m.z, -high_m.z, 0.0}) / away, kLeastSine);
+  // Beside the road and beyond the joint's line, which may slope by as much again as it is long.
+  return 3 * std::clamp(2 * std::numbers::sqrt2 * pixel * away / sine, 0.02, kGreatestRoom_m);
 }
 
 double TileIndex::contribution(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m) {

@@ -47,6 +47,10 @@ class TileIndex {
   // what is seen at x pixels from the horizon is fainter than c / x. Both in a picture of exact coverage; one of n
   // samples per pixel takes that band or misses it in steps of 1 / n.
   // A box at the eye's own height has reach 0, one beside or behind the image plane contributes 1.
+  // What quads and boxes reach beyond a box of footprints, relative to the eye: room for edges that are antialiased over
+  // pixels which are long on the ground. An upper bound of room_at in shaders/road.vert.
+  static constexpr double kLeastSine = 0.003, kGreatestRoom_m = 25;
+  static double room_m(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m);
   static double contribution(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m);
 
  private:
@@ -59,7 +63,6 @@ class TileIndex {
 
   std::vector<Node> nodes_;
   std::vector<glm::dvec3> cells_;  // of every tile, in kTileSize_m
-  glm::dvec3 margin_m_{0, 0, 0};   // that the quads and boxes drawn reach beyond the tiles' bounds
 };
 
 }  // namespace roadgen

@@ -149,7 +149,7 @@ TEST_F(RoadTilesTest, AFrameThatDoesNotFitIntoMemoryIsTheSame) {
 
 TEST_F(RoadTilesTest, PagesAreUploadedWhenFirstSeenAndTheOldestMakesRoom) {
   const Network network = two_cities();
-  const std::size_t pages = 3;
+  const std::size_t pages = 6;
   Renderer roomy = renderer(network, {}), tight = renderer(network, {.gpu_budget_bytes = pages * kPageBytes});
   EXPECT_LT(roomy.road_statistics().pool_bytes, network.segment_count() * sizeof(RoadInstance) + 2 * kPageBytes);
   Camera above, aside;
@@ -206,7 +206,7 @@ TEST_F(RoadTilesTest, WhatContributesLittleIsNotMissed) {
       if (counts[i]) std::printf(" %zu by %d/255", counts[i], i);
     }
     std::printf(" of %zu\n", std::accumulate(counts, counts + 256, std::size_t{0}));
-    EXPECT_GT(dropped, of / 2);
+    EXPECT_GT(dropped, of * 2 / 5);
     EXPECT_EQ(std::accumulate(counts + 2, counts + 256, std::size_t{0}), 0u);
   }
 }

@@ -139,7 +139,6 @@ std::vector<RoadTile> random_tiles(Random& random, int count) {
     tile.bounds.add(glm::dvec3(tile.origin_m.x, tile.origin_m.y, p.z));
     tile.bounds.add(glm::dvec3(tile.origin_m.x, tile.origin_m.y, p.z) +
                     glm::abs(random.point(1)) * glm::dvec3(300, 300, 4));
-    tile.margin_m = random(2, 5);
     tiles.push_back(tile);
   }
   return tiles;
@@ -149,19 +148,25 @@ TEST(TileIndex, SelectsWhatAPlainLoopSelects) {
   Random random;
   const std::vector<RoadTile> tiles = random_tiles(random, 3000);
   const TileIndex index(tiles);
-  double margin = 0;
-  for (const RoadTile& tile : tiles) margin = std::max(margin, tile.margin_m);
   std::size_t total = 0, dropped = 0;
   for (int i = 0; i < 300; ++i) {
     TileView view{.camera = random.camera(15000), .width = 640, .height = 360};
     if (i % 2) view.camera.position_m.z = random(1, 20), view.camera.pitch_deg = random(-5, 5);
     view.least_contribution = i % 3 ? 1.0 / 255 : 0;
-    const Frustum frustum(view.camera, 640.0 / 360);
+    // Sides with room for edges; the far plane without.
+    Camera endless = view.camera;
+    endless.far_m = std::numeric_limits<double>::infinity();
+    const Frustum sides(endless, 640.0 / 360);
+    const glm::dvec3 forward = view_axes(view.camera).forward;
     std::vector<std::uint32_t> plain, visible;
     for (std::uint32_t t = 0; t < tiles.size(); ++t) {
       const glm::dvec3 low = tiles[t].bounds.low_m - view.camera.position_m;
       const glm::dvec3 high = tiles[t].bounds.high_m - view.camera.position_m;
-      if (!frustum.may_see(low - margin, high + margin)) continue;
+      const double room = TileIndex::room_m(view, low, high);
+      if (!sides.may_see(low - room, high + room)) continue;
+      double nearest = 0;
+      for (int axis = 0; axis < 3; ++axis) nearest += std::min(forward[axis] * low[axis], forward[axis] * high[axis]);
+      if (nearest > view.camera.far_m) continue;
       if (TileIndex::contribution(view, low, high) < view.least_contribution) {
         ++dropped;
         continue;
