@@ -7,7 +7,7 @@ set -euo pipefail
 start=$PWD
 cd "$(dirname "$0")/.."
 .ci/setup.sh
-.ci/build.sh release roadgen_cli
+.ci/build.sh release roadgen_cli town
 
 die() { echo "demo: $*" >&2; exit 1; }
 roads=() dem=()
@@ -44,6 +44,8 @@ else
   fly pass --dem "${dem[1]:-data/pass_dem.tif}"
   import circuit data/circuit.csv --closed yes
   "$roadgen" render out/circuit.xodr --follow 1,400,0,1.5 --size "$size" -o out/circuit >/dev/null
+  echo "== town: junction, kerbs, markings, structures"
+  build/release/bin/town out/town
 fi
 echo "== done; in out/:"
 ls -1 out
