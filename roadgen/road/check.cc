@@ -223,7 +223,9 @@ void check_segment(const Road& road, const Segment& segment, CheckReport& report
                                      " m across and " + number("%.3g", segment.s_bound_m()) +
                                      " m along): the road is too wide or too tightly bent here; import it again"));
   }
-  if (!((segment.left_m - segment.right_m).range(segment.arc_m).low > 0)) {
+  // Strips along a junction's corner may taper away.
+  const Cubic::Range width = (segment.left_m - segment.right_m).range(segment.arc_m);
+  if (!(width.low > -kWidthRounding_m && width.high > 0)) {
     report.problems.push_back(at(road, s, "the width is not positive"));
   }
 }
