@@ -113,6 +113,7 @@ std::vector<Camera> views(const BaseScene& scene, int count) {
     const double s = scene.road.length_m() * i / count;
     cameras.push_back(i % 2 == 0 ? drive_camera(scene.road, s, -1.75, 1.3) : flight_camera(scene.road, s, {}));
     cameras.back().fov_deg = 45;
+    cameras.back().far_m = 1.5 * kSide_m;
   }
   return cameras;
 }

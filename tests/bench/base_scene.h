@@ -29,7 +29,7 @@ std::vector<glm::dvec3> copy_origins(int n);
 Network copies_of(const Road& road, std::span<const glm::dvec3> origins);
 std::vector<TerrainMesh> copies_of(const TerrainMesh& ground, std::span<const glm::dvec3> origins);
 
-// Views from the base scene's road: a driver's and from above it, by turns. 45 degrees.
+// Views from the base scene's road: a driver's and from above it, by turns. 45 degrees, to 1.5 sides away.
 std::vector<Camera> views(const BaseScene& scene, int count);
 
 }  // namespace roadgen::bench

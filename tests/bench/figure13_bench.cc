@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,7 @@ struct Options {
 struct Method {
   std::string name;
   bool cookie_cut;
-  MeshMethod mesh;  // where it is not cookie-cut
+  MeshMethod mesh;  // culling holds for both
 };
 
 std::vector<Method> methods() {
@@ -43,19 +44,29 @@ std::vector<Method> methods() {
     list.push_back({fmt::format("{:g} degrees", kTurns_deg[turn]), false, {MeshMethod::kTurn, turn, false}});
   }
   list.push_back({"ground alone", false, {}});
+  list.push_back({"cookie-cut, culled", true, {MeshMethod::kNoRoad, 0, true}});
   list.push_back({"1 degree, culled", false, {MeshMethod::kTurn, 0, true}});
   list.push_back({"level of detail, culled", false, {MeshMethod::kLevelOfDetail, 0, true}});
   return list;
+}
+
+Result<Renderer> loaded_renderer(Context& context, const BaseScene& scene, std::span<const glm::dvec3> origins,
+                                 bool cull) {
+  auto renderer = Renderer::create(context, {.least_contribution = 0, .cull = cull});
+  if (!renderer) return renderer.error();
+  if (Status s = renderer->load_roads(copies_of(scene.road, origins)); !s) return s.error();
+  if (Status s = renderer->load_ground(copies_of(scene.ground, origins)); !s) return s.error();
+  return renderer;
 }
 
 // Milliseconds of every method: the mean over the views of the medians over the repeats.
 Result<std::vector<double>> measure(Context& context, const BaseScene& scene, int n, const Options& options,
                                     unsigned target) {
   const std::vector<glm::dvec3> origins = copy_origins(n);
-  auto renderer = Renderer::create(context);
-  if (!renderer) return renderer.error();
-  if (Status s = renderer->load_roads(copies_of(scene.road, origins)); !s) return s.error();
-  if (Status s = renderer->load_ground(copies_of(scene.ground, origins)); !s) return s.error();
+  auto whole = loaded_renderer(context, scene, origins, false);
+  if (!whole) return whole.error();
+  auto culled = loaded_renderer(context, scene, origins, true);
+  if (!culled) return culled.error();
   auto mesh = MeshScene::create(scene, origins);
   if (!mesh) return mesh.error();
   const std::vector<Method> all = methods();
@@ -67,7 +78,8 @@ Result<std::vector<double>> measure(Context& context, const BaseScene& scene, in
       for (std::size_t i = 0; i < all.size(); ++i) {
         Status status = Done{};
         const double time = milliseconds(context, options.clock, [&] {
-          status = all[i].cookie_cut ? renderer->draw(camera, kWidth, kHeight, options.samples, target)
+          Renderer& renderer = all[i].mesh.culling ? *culled : *whole;
+          status = all[i].cookie_cut ? renderer.draw(camera, kWidth, kHeight, options.samples, target)
                                      : mesh->draw(camera, kWidth, kHeight, options.samples, target, all[i].mesh);
         });
         if (!status) return status.error();
@@ -82,10 +94,8 @@ Result<std::vector<double>> measure(Context& context, const BaseScene& scene, in
 // Both ways draw the same roads: prints how far the pictures of cookie-cut roads and of the finest tessellation differ.
 Status compare_pictures(Context& context, const BaseScene& scene, const Options& options, const RenderTarget& shown) {
   const std::vector<glm::dvec3> origins = copy_origins(1);
-  auto renderer = Renderer::create(context);
+  auto renderer = loaded_renderer(context, scene, origins, true);
   if (!renderer) return renderer.error();
-  if (Status s = renderer->load_roads(copies_of(scene.road, origins)); !s) return s.error();
-  if (Status s = renderer->load_ground(copies_of(scene.ground, origins)); !s) return s.error();
   auto mesh = MeshScene::create(scene, origins);
   if (!mesh) return mesh.error();
   const MeshMethod finest{MeshMethod::kTurn, static_cast<int>(std::size(kTurns_deg)) - 1, false};

@@ -158,7 +158,7 @@ struct View {
   glm::dvec3 normals[4];
   glm::dvec3 forward;
   double far_m;
-  View(const Camera& camera, double aspect) : far_m(1e300) {
+  View(const Camera& camera, double aspect) : far_m(camera.far_m) {
     const ViewAxes axes = view_axes(camera);
     const double y = std::tan(camera.fov_deg * std::numbers::pi / 360), x = y * aspect;
     normals[0] = glm::normalize(axes.forward * x + axes.right);
