@@ -70,7 +70,7 @@ void TileIndex::select(const TileView& view, std::vector<std::uint32_t>& visible
   while (top > 0) {
     const Node& node = nodes_[stack[--top]];
     const glm::dvec3 low = node.low_m - eye, high = node.high_m - eye;
-    const double room = room_m(view, low, high);
+    const glm::dvec3 room = room_m(view, low, high);
     if (!frustum.may_see(low - room, high + room)) continue;
     // The far plane needs no room: it is a wish, not the picture's border.
     const glm::dvec3 nearest(forward.x > 0 ? low.x : high.x, forward.y > 0 ? low.y : high.y,
@@ -106,12 +106,15 @@ void TileIndex::sort(const TileView& view, std::vector<std::uint32_t>& tiles) co
   std::transform(keys.begin(), keys.end(), tiles.begin(), [](const auto& key) { return key.second; });
 }
 
-double TileIndex::room_m(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m) {
+glm::dvec3 TileIndex::room_m(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m) {
   const double pixel = 2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360) / view.height;
   const double away = glm::length(glm::max(-low_m, high_m));
   const double sine = std::max(std::max({low_m.z, -high_m.z, 0.0}) / away, kLeastSine);
-  // Beside the road and beyond the joint's line, which may slope by as much again as it is long.
-  return 3 * std::clamp(2 * std::numbers::sqrt2 * pixel * away / sine, 0.02, kGreatestRoom_m);
+  const double room = std::clamp(2 * pixel * away / sine, 0.02, kGreatestRoom_m);
+  // Beside the road by the room; ahead by it and by what the joint's line, which leans by at most 45 degrees, then runs;
+  // up by two pixels and a grade of one half.
+  const double plane = std::sqrt(5.0) * room;
+  return {plane, plane, 0.5 * plane + 2 * pixel * away};
 }
 
 double TileIndex::contribution(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m) {

@@ -162,7 +162,7 @@ TEST(TileIndex, SelectsWhatAPlainLoopSelects) {
     for (std::uint32_t t = 0; t < tiles.size(); ++t) {
       const glm::dvec3 low = tiles[t].bounds.low_m - view.camera.position_m;
       const glm::dvec3 high = tiles[t].bounds.high_m - view.camera.position_m;
-      const double room = TileIndex::room_m(view, low, high);
+      const glm::dvec3 room = TileIndex::room_m(view, low, high);
       if (!sides.may_see(low - room, high + room)) continue;
       double nearest = 0;
       for (int axis = 0; axis < 3; ++axis) nearest += std::min(forward[axis] * low[axis], forward[axis] * high[axis]);
