@@ -435,8 +435,8 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
     if (under > 0.0) {
       Mark mark = section_mark(ids.y, corner.border);
       if (mark.kind > 0) {
-        float over = marking_border(mark.kind, spot.t - border_t(corner, spot), height.w + spot.s, mark.width, mark.space,
-                                    mark.on, mark.off, spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y);
+        float over = marking_border(mark.kind, spot.t - border_t(corner, spot), height.w + spot.s + mark.phase, mark.width,
+                                    mark.space, mark.on, mark.off, spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y);
         if (over > 0.0) {
           add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, LOOK(corner.level)));
         }

@@ -2,7 +2,7 @@
 //
 // A section: (borders, levels, -, -), the heights of the levels (the first is the road surface, 0), and for each border
 // from right to left three rows: its t as a cubic in s from the section's start; its mark (kind + 8 color, width,
-// space, on); and (off, the strip to its left, the strip's lane id, -). A strip: material + 8 right level +
+// space, on); and (off, the strip to its left, the strip's lane id, phase of the mark). A strip: material + 8 right level +
 // 32 left level + 128 if vehicles drive there. Paint: (s, t, length, width), s from the segment's start, and
 // (kind, color, stripe, against).
 #define LEVELS 4
@@ -36,10 +36,12 @@ struct Mark {
   float space;
   float on;
   float off;
+  float phase;  // what of a dash and its space has gone by where the section starts
 };
 
 Mark section_mark(uint section, int border) {
   vec4 row = section_rows[section + 3u + 3u * uint(border)];
   int code = int(row.x);
-  return Mark(code & 7, code >> 3, row.y, row.z, row.w, section_rows[section + 4u + 3u * uint(border)].x);
+  vec4 rest = section_rows[section + 4u + 3u * uint(border)];
+  return Mark(code & 7, code >> 3, row.y, row.z, row.w, rest.x, rest.w);
 }

@@ -206,7 +206,10 @@ const char* lane_change(MarkKind kind) {
 
 void write_line(Writer& out, const Mark& mark, double t_m, bool broken) {
   out.raw("                <line").number("length", broken ? mark.on_m : 1).number("space", broken ? mark.off_m : 0);
-  out.number("tOffset", t_m).raw(" sOffset=\"0\"").number("width", mark.width_m).raw("/>\n");
+  out.number("tOffset", t_m);
+  out.number("sOffset", broken && mark.phase_m > 0 ? mark.on_m + mark.off_m - mark.phase_m : 0)
+      .number("width", mark.width_m)
+      .raw("/>\n");
 }
 
 void write_lines(Writer& out, const Mark& mark, const char* type) {
@@ -229,7 +232,7 @@ void write_mark(Writer& out, const Mark& mark, Side side) {
   out.raw(">\n");
   if (mark.kind != MarkKind::kNone && mark.kind != MarkKind::kSolid) write_lines(out, mark, type);
   out.raw("              <userData code=\"roadgen:mark\" value=\"").digits(mark.width_m);
-  for (const double x : {mark.space_m, mark.on_m, mark.off_m}) out.raw(" ").digits(x);
+  for (const double x : {mark.space_m, mark.on_m, mark.off_m, mark.phase_m}) out.raw(" ").digits(x);
   out.raw("\"/>\n            </roadMark>\n");
 }
 

@@ -52,14 +52,15 @@ double not_negative(XodrSource& source, const pugi::xml_node& node, const char* 
 }
 
 struct Line {
-  double t_m, width_m, length_m, space_m;
+  double t_m, width_m, length_m, space_m, start_m;
 };
 
 std::vector<Line> read_lines(XodrSource& source, const pugi::xml_node& type, double width_m) {
   std::vector<Line> lines;
   for (const pugi::xml_node line : type.children("line")) {
     lines.push_back({source.number_or(line, "tOffset", 0), not_negative(source, line, "width", width_m),
-                     not_negative(source, line, "length", 0), not_negative(source, line, "space", 0)});
+                     not_negative(source, line, "length", 0), not_negative(source, line, "space", 0),
+                     source.number_or(line, "sOffset", 0)});
   }
   std::stable_sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.t_m < b.t_m; });
   return lines;
@@ -85,19 +86,28 @@ MarkKind mark_kind(XodrSource& source, const pugi::xml_node& node, Side side, co
   return kind;
 }
 
+// gone_m of the dash pattern, less whole periods.
+double dash_phase_m(const Mark& mark, double gone_m) {
+  const double period = mark.on_m + mark.off_m;
+  const double phase = std::fmod(gone_m, period);
+  return phase < 0 ? phase + period : phase;
+}
+
 // Our own files carry the numbers unrounded, and those that the standard has no place for.
 void take_exact_mark(XodrSource& source, const pugi::xml_node& node, Mark& mark) {
   const std::string text = user_data(node, "roadgen:mark");
   if (text.empty()) return;
   const std::vector<double> exact = numbers_in(text);
   const auto differs = [](double a, double b) { return std::abs(a - b) > kSamePlace_m; };
-  if (exact.size() != 4 || exact[0] < 0 || exact[1] < 0 || !(exact[2] > 0) || exact[3] < 0 ||
+  if (exact.size() != 5 || exact[0] < 0 || exact[1] < 0 || !(exact[2] > 0) || exact[3] < 0 || !(exact[4] >= 0) ||
       (mark.kind != MarkKind::kNone && differs(exact[0], mark.width_m)) ||
       (is_double(mark.kind) && differs(exact[1], mark.space_m)) ||
-      (has_dashes(mark.kind) && (differs(exact[2], mark.on_m) || differs(exact[3], mark.off_m)))) {
+      (has_dashes(mark.kind) && (differs(exact[2], mark.on_m) || differs(exact[3], mark.off_m) ||
+                                 differs(std::remainder(exact[4] - mark.phase_m, exact[2] + exact[3]), 0)))) {
     return source.note(node, "userData roadgen:mark does not agree with the road mark, which is used");
   }
-  mark.width_m = exact[0], mark.space_m = exact[1], mark.on_m = exact[2], mark.off_m = exact[3];
+  mark.width_m = exact[0], mark.space_m = exact[1], mark.on_m = exact[2], mark.off_m = exact[3],
+  mark.phase_m = exact[4];
 }
 
 // Source: clause 11.8. Widths of German practice where the file gives none: 0.12 m, bold 0.25 m.
@@ -117,7 +127,10 @@ Mark read_mark(XodrSource& source, const pugi::xml_node& node, Side side) {
       mark.space_m = std::max(lines[1].t_m - lines[0].t_m - 0.5 * (lines[0].width_m + lines[1].width_m), 0.0);
     }
     const Line& dashed = mark.kind == MarkKind::kSolidBroken ? lines.back() : lines.front();
-    if (has_dashes(mark.kind) && dashed.length_m > 0) mark.on_m = dashed.length_m, mark.off_m = dashed.space_m;
+    if (has_dashes(mark.kind) && dashed.length_m > 0) {
+      mark.on_m = dashed.length_m, mark.off_m = dashed.space_m;
+      mark.phase_m = dash_phase_m(mark, -dashed.start_m);
+    }
   } else if (!lines.empty() && mark.kind != MarkKind::kNone) {
     source.note(node, "the <line> elements of a road mark do not fit its type, which is used");
   }
@@ -264,6 +277,16 @@ const XodrLaneSection* section_of(const XodrLanes& lanes, double s_m, const Stat
   return found;
 }
 
+// The mark that holds at a station, its dashes going on from where it began.
+Mark mark_at(const std::vector<From<Mark>>& marks, double s_m, const Stations& stations) {
+  const From<Mark>* from = holding(marks, s_m, stations);
+  if (!from) return {};
+  Mark mark = from->value;
+  const double gone_m = s_m - stations.snapped(from->s_m);
+  if (has_dashes(mark.kind) && gone_m > 0) mark.phase_m = dash_phase_m(mark, mark.phase_m + gone_m);
+  return mark;
+}
+
 // The lanes of one side at a station; border is the t of lane 0 there.
 std::vector<Lane> lanes_at(XodrSource& source, const std::vector<XodrLane>& lanes, double sign, Cubic border,
                            double s_m, double length_m, const Stations& stations) {
@@ -273,7 +296,7 @@ std::vector<Lane> lanes_at(XodrSource& source, const std::vector<XodrLane>& lane
     lane.type = from.type;
     lane.material = default_material(from.type);
     if (const auto* material = holding(from.materials, s_m, stations)) lane.material = material->value;
-    if (const auto* mark = holding(from.marks, s_m, stations)) lane.mark = mark->value;
+    lane.mark = mark_at(from.marks, s_m, stations);
     if (const auto* heights = holding(from.heights, s_m, stations)) {
       lane.inner_height_m = heights->value.inner_m;
       lane.outer_height_m = heights->value.outer_m;
@@ -364,7 +387,7 @@ std::vector<LaneSection> lane_sections(XodrSource& source, const XodrLanes& lane
     if (!(offset.low >= -kGreatestProfile && offset.high <= kGreatestProfile)) {
       source.fail(ErrorCode::kData, holding(lanes.offsets, s, stations)->line, "the lane offset is beyond 1e6 m");
     }
-    if (const auto* mark = holding(whole->center_marks, s, stations)) section.center_mark = mark->value;
+    section.center_mark = mark_at(whole->center_marks, s, stations);
     if (left) section.left = lanes_at(source, left->left, 1, section.offset_m, s, length, stations);
     if (right) section.right = lanes_at(source, right->right, -1, section.offset_m, s, length, stations);
     if (source.failed()) return {};

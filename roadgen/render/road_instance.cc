@@ -58,7 +58,7 @@ Table section_rows(const LaneSection& section) {
     // The mark of a border belongs to the lane inside of it; the strip to the left of it is its own lane.
     const Mark& mark = i < right ? section.right[right - 1 - i].mark
                                  : (i == right ? section.center_mark : section.left[i - right - 1].mark);
-    glm::vec4 strip(static_cast<float>(mark.off_m), 0, 0, 0);
+    glm::vec4 strip(static_cast<float>(mark.off_m), 0, 0, static_cast<float>(mark.phase_m));
     if (i + 1 < borders.size()) {
       const bool is_right = i < right;
       const Lane& lane = is_right ? section.right[right - 1 - i] : section.left[i - right];

@@ -30,7 +30,7 @@ bool is_finite(const Segment& s) {
          is_finite(s.crossfall_right) && is_finite(s.left_m) && is_finite(s.right_m);
 }
 
-bool is_finite(const Mark& m) { return std::isfinite(m.width_m + m.space_m + m.on_m + m.off_m); }
+bool is_finite(const Mark& m) { return std::isfinite(m.width_m + m.space_m + m.on_m + m.off_m + m.phase_m); }
 
 bool is_finite(const LaneSection& section) {
   bool finite = std::isfinite(section.s_m) && is_finite(section.offset_m) && is_finite(section.center_mark);

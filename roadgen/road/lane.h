@@ -76,6 +76,7 @@ struct Mark {
   double space_m = 0.12;  // between the two lines of a double mark, >= 0
   double on_m = 3;        // a dash of a broken line, > 0
   double off_m = 6;       // the space after it, >= 0
+  double phase_m = 0;     // what of a dash and its space has gone by where the section starts, >= 0
   bool operator==(const Mark&) const = default;
 };
 

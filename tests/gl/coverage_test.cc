@@ -99,7 +99,7 @@ Network town_network() {
                 .outer_height_m = height_m,
                 .mark = mark};
   };
-  const Mark none, broken{.kind = MarkKind::kBroken}, solid{.kind = MarkKind::kSolid};
+  const Mark none, broken{.kind = MarkKind::kBroken, .phase_m = 2}, solid{.kind = MarkKind::kSolid};
   const std::vector<Lane> side = {lane(LaneType::kDriving, 3, 0, broken), lane(LaneType::kDriving, 3, 0, solid),
                                   lane(LaneType::kParking, 2, 0, none), lane(LaneType::kCurb, 0.15, 0.12, none),
                                   lane(LaneType::kSidewalk, 2, 0.12, none)};

@@ -238,7 +238,8 @@ class Walk {
 
 bool on_dash(double s, const Mark& mark) {
   const double period = std::max(mark.on_m + mark.off_m, 1e-3);
-  return s - std::floor(s / period) * period < mark.on_m;
+  const double gone = s + mark.phase_m;
+  return gone - std::floor(gone / period) * period < mark.on_m;
 }
 
 bool on_mark(const Mark& mark, double from_border, double s) {

@@ -182,6 +182,19 @@ TEST(OpenDriveLanes, MarksFollowTypeSideAndPlace) {
   }
 }
 
+// A width that changes begins a new section here, not in the file: dashes do not begin again.
+TEST(OpenDriveLanes, DashesGoOnWhereOnlyTheLaneChanges) {
+  Parts parts;
+  parts.right = Parts::lane(-1, Parts::width(3) + "<width sOffset=\"25\" a=\"3\" b=\"0.01\" c=\"0\" d=\"0\"/>" +
+                                    Parts::mark("broken", 4, R"(<type name="x"><line length="2" space="3" sOffset="1.5"
+                                    width="0.3"/></type>)"));
+  const Road road = road_of(parts);
+  EXPECT_EQ(section_at(road, 2).right[0].mark.kind, MarkKind::kNone);
+  // The first dash begins at 5.5.
+  EXPECT_NEAR(section_at(road, 10).right[0].mark.phase_m, 3.5, 1e-12);
+  EXPECT_NEAR(section_at(road, 30).right[0].mark.phase_m, 4.5, 1e-12);
+}
+
 TEST(OpenDriveLanes, LinesGiveDashesAndSpace) {
   Parts parts;
   parts.center = Parts::mark("solid broken", 0,

@@ -45,6 +45,7 @@ void make_rich(std::mt19937& random, Road& road) {
     m.color = static_cast<PaintColor>(pick(6));
     if (pick(2)) m.width_m = 0.2 + 0.1 * unit(random), m.space_m = 0.2 + 0.1 * unit(random);
     if (pick(2)) m.on_m = 3 + unit(random), m.off_m = pick(3) ? 6 + unit(random) : 0;
+    if (pick(2)) m.phase_m = 1 + unit(random);
     return m;
   };
   // Lanes share the road's own edges, for which its segments are certified.
