@@ -41,7 +41,11 @@ int main(int argc, char** argv) {
   roadgen_pose pose;
   if (roadgen_to_world(network, 1, &road, &s, &t, &pose) != ROADGEN_OK) return fail("road to world");
   roadgen_camera camera = {{pose.position_m[0], pose.position_m[1], pose.position_m[2] + 1.3},
-                           pose.heading_rad / kDegree, pose.pitch_rad / kDegree - 10, 0, 50};
+                           pose.heading_rad / kDegree,
+                           pose.pitch_rad / kDegree - 10,
+                           0,
+                           50,
+                           0};
 
   roadgen_renderer* renderer = NULL;
   if (roadgen_renderer_create(network, NULL, ROADGEN_CONTEXT_OSMESA, &renderer) != ROADGEN_OK) {
@@ -66,8 +70,8 @@ int main(int argc, char** argv) {
                           camera.position_m[2] + reach * sin(pitch)};
   roadgen_road_point point;
   if (roadgen_to_road(network, 1, seen, 10, &point) != ROADGEN_OK) return fail("world to road");
-  printf("the middle pixel is %.3f m away: road %lld, s = %.3f m, t = %.3f m, %.4f m above the surface\n", reach,
-         (long long)point.road, point.s_m, point.t_m, point.height_m);
+  printf("the middle pixel is %.3f m away: road %lld, lane %d, s = %.3f m, t = %.3f m, %.4f m above the surface\n",
+         reach, (long long)point.road, point.lane, point.s_m, point.t_m, point.height_m);
 
   const int agree = point.road == 0 && fabs(point.height_m) < 0.005 && point.distance_m == 0;
   if (!agree) fprintf(stderr, "embed_c: picture and query disagree\n");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -94,10 +95,17 @@ roadgen_status roadgen_to_road(const roadgen_network* network, size_t count, con
   if (!(reach_m >= 0)) return fail(ROADGEN_USAGE_ERROR, "reach_m must be 0 or more");
   return guarded([&] {
     for (size_t i = 0; i < count; ++i) {
-      points[i] = {-1, 0, 0, 0, 0};
+      points[i] = {-1, -1, 0, 0, 0, 0, 0};
       if (!finite3(xyz + 3 * i)) continue;
       const auto found = network->index.to_road({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]}, reach_m);
-      if (found) points[i] = {found->at.road, found->s_m, found->t_m, found->height_m, found->outside_m};
+      if (!found) continue;
+      points[i] = {found->junction < 0 ? static_cast<int64_t>(found->at.road) : -1,
+                   found->junction,
+                   found->lane,
+                   found->s_m,
+                   found->t_m,
+                   found->height_m,
+                   found->outside_m};
     }
     return ROADGEN_OK;
   });
@@ -168,6 +176,7 @@ roadgen_status roadgen_set_camera(roadgen_renderer* renderer, const roadgen_came
   renderer->camera.pitch_deg = camera->pitch_deg;
   renderer->camera.roll_deg = camera->roll_deg;
   renderer->camera.fov_deg = camera->fov_deg;
+  renderer->camera.far_m = camera->far_m > 0 ? camera->far_m : std::numeric_limits<double>::infinity();
   return ROADGEN_OK;
 }
 

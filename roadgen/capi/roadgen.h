@@ -54,8 +54,11 @@ ROADGEN_API double roadgen_road_length_m(const roadgen_network* network, size_t 
 /* ---- Queries ---- */
 
 typedef struct roadgen_road_point {
-  int64_t road;      /* index, or -1: no road within reach */
-  double s_m, t_m;   /* along, and to the left of, the reference line */
+  int64_t road;     /* index, or -1: in a junction's area, or no road within reach */
+  int64_t junction; /* index of the junction in whose area the point lies, or -1 */
+  int lane;         /* OpenDRIVE's id: positive to the left, negative to the right; 0 beside all lanes */
+  double s_m,
+      t_m; /* along, and to the left of, the reference line; in a junction metres east and north of its centre */
   double height_m;   /* of the asked point above the surface */
   double distance_m; /* horizontally to the carriageway: 0 on it */
 } roadgen_road_point;
@@ -87,6 +90,7 @@ typedef struct roadgen_camera {
   double position_m[3];
   double yaw_deg, pitch_deg, roll_deg; /* counter-clockwise from east; up; right side down */
   double fov_deg;                      /* vertical, in (0, 170] */
+  double far_m;                        /* whole tiles of roads beyond it are left out; 0 or less: none is */
 } roadgen_camera;
 
 /* A renderer for the network, with ground made from the DEM file (SRTM .hgt, GeoTIFF, ASCII grid), or from the roads'
