@@ -9,7 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 #include "terrain/bisection.h"
 
 namespace roadgen {

@@ -17,7 +17,7 @@
 // Numbers are written with as many digits as bring the same double back (17 at most). The anchors and slopes cannot be
 // recovered bit for bit from rounded polynomial coefficients, so they stand beside them in
 // <userData code="roadgen:chord" value="END_X END_Y SLOPE_START SLOPE_END"/>; likewise "roadgen:crossfall" (S and the
-// coefficients left and right), "roadgen:mark" (WIDTH SPACE ON OFF) and "roadgen:paint" (COLOUR STRIPE); thus a network that was written, read
+// coefficients left and right), "roadgen:mark" (WIDTH SPACE ON OFF PHASE) and "roadgen:paint" (COLOUR STRIPE); thus a network that was written, read
 // and written again is the same file. Other programs skip userData and lose nothing.
 #pragma once
 

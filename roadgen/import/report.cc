@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "roadgen/import/import.h"
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 
 namespace roadgen {
 namespace {
