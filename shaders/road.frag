@@ -229,7 +229,7 @@ Look look_at(Spot spot) {
 #else
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
   vec2 width = vec2(length(spot.s_step), length(spot.t_step));
-  return Look(material_noise(s, spot.t, float(ids.x), width.x, width.y), width,
+  return Look(material_noise(s, spot.t, float(ids.x), width.x, width.y, section_row(ids.y).w > 0.0), width,
               frame_light(spot.normal, spot.position));
 #endif
 }
