@@ -136,7 +136,7 @@ Spot intersect(RoadSurface r, Ray ray, float lift) {
   vec2 k = ray.k;
   // A thousandth of a pixel, or half a millimetre.
   float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
-  float limit = max(section_border(ids.y, int(section_rows[ids.y].x) - 1, height.w), -section_border(ids.y, 0, height.w));
+  float limit = max(section_border(ids.y, int(section_row(ids.y).x) - 1, height.w), -section_border(ids.y, 0, height.w));
   RoadHit hit = surface_find(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit, r);
   // Rays that touch a crest come no nearer; those that leave over a joint may meet the neighbour.
   bool on = hit.residual <= (hit.k > k.x && hit.k < k.y ? 10.0 : 1.0) * tolerance;
@@ -229,7 +229,7 @@ Look look_at(Spot spot) {
 #else
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
   vec2 width = vec2(length(spot.s_step), length(spot.t_step));
-  return Look(material_noise(s, spot.t, float(ids.x), width.x, width.y), width,
+  return Look(material_noise(s, spot.t, float(ids.x), width.x, width.y, section_row(ids.y).w > 0.0), width,
               frame_light(spot.normal, spot.position));
 #endif
 }
@@ -336,8 +336,8 @@ Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
     Spot other = SPOT(far.level);
     float border = border_t(near, spot);
     float width = border_t(far, other) - border;
-    float near_h = section_rows[ids.y + 1u][near.level];
-    float rise = section_rows[ids.y + 1u][far.level] - near_h;
+    float near_h = section_row(ids.y + 1u)[near.level];
+    float rise = section_row(ids.y + 1u)[far.level] - near_h;
     float side = dot(spot.left, spot.position.xy) >= 0.0 ? -1.0 : 1.0;
     // Which side of it the ray is on, at both levels.
     float g0 = (spot.h - near_h) * width - (spot.t - border) * rise;
@@ -373,22 +373,43 @@ Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
   return spot;
 }
 
+#ifndef DETAILED
+// How far the border is past the pixel, seen along `flip`: beyond 0 neither it nor its mark touches the pixel. Positive
+// where the pixel lies on its far side.
+float clear_of(Spot spot, int border, float reach, float flip) {
+  float t = spot.t - border_t(Corner(border, 0), spot);
+  vec2 gradient = abs(spot.t_step) + abs((t + spot.missed) * spot.w_step);
+  float room = reach + 0.51 * (gradient.x + gradient.y) + abs(spot.missed);
+  return flip * t > 0.0 ? max(flip * t - room, 0.0) : min(flip * t + room, 0.0);
+}
+#endif
+
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
 // that nothing up to here has taken. A ray that leaves the segment between two levels counts where it leaves, so that
 // both neighbours of a joint fill their pixels.
 Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = no_pixel();
-  int borders = int(section_rows[ids.y].x);
+  int borders = int(section_row(ids.y).x);
   // Does the ray run to the left as it goes?
   bool leftward = dot(SPOT(0).left, SPOT(0).position.xy) >= 0.0;
   int onward = leftward ? 1 : -1;
   float flip = leftward ? 1.0 : -1.0;
   float shift = leftward ? 0.0 : 1.0;
   Corner corner = Corner(leftward ? 0 : borders - 1, 0);
+  int i = 0;
+#ifndef DETAILED
+  // Most pixels lie within one strip: not what they are past entirely, nor what comes after them.
+  float reach = section_row(ids.y).z;
+  while (i + 1 < borders && clear_of(spots[0], corner.border + onward, reach, flip) > 0.0 &&
+         clear_of(spots[0], corner.border, reach, flip) > 0.0) {
+    ++i;
+    corner.border += onward;
+  }
+#endif
   float open = shift + flip * left_of(spots, corner);
   float before = 0.0;  // what the strip before covers, at this corner's level
   vec3 before_color = vec3(0.0);
-  for (int i = 0; i < borders; ++i) {
+  for (; i < borders; ++i) {
     bool last = i + 1 == borders;
     Strip strip = last ? Strip(0, corner.level, corner.level, false, 0.0)
                        : section_strip(ids.y, leftward ? corner.border : corner.border - 1);
@@ -445,6 +466,9 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
     before = part;
     before_color = color;
     corner = far;
+#ifndef DETAILED
+    if (clear_of(spots[0], corner.border, reach, flip) < 0.0) break;
+#endif
   }
 #ifdef DETAILED
   uint paint = ids.z >> 8u;
@@ -462,7 +486,7 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
 // The underside of a bridge.
 Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = no_pixel();
-  float part = left_of(spots, Corner(0, 0)) - left_of(spots, Corner(int(section_rows[ids.y].x) - 1, 0));
+  float part = left_of(spots, Corner(0, 0)) - left_of(spots, Corner(int(section_row(ids.y).x) - 1, 0));
   if (part > 0.0) add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), SPOT(0), LOOK(0), 0.0), SPOT(0), 0.0);
   return pixel;
 }
@@ -474,8 +498,8 @@ void main() {
   if (!(ray.k.x <= ray.k.y)) discard;
   Spot spots[SPOTS];
 #ifdef DETAILED
-  int levels = int(section_rows[ids.y].y);
-  for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_rows[ids.y + 1u][i]);
+  int levels = int(section_row(ids.y).y);
+  for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_row(ids.y + 1u)[i]);
 #else
   spots[0] = intersect(r, ray, 0.0);
 #endif

@@ -301,7 +301,15 @@ Status Renderer::load_roads(const Network& network) {
     if (Status s = check_drawable(road); !s) return s;
   }
   if (Status s = state_->context.make_current(); !s) return s;
-  state_->roads = RoadTiles(road_scene(network), state_->options.gpu_budget_bytes);
+  RoadScene scene = road_scene(network);
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  if (scene.sections.size() > static_cast<std::size_t>(most)) {
+    return Error{ErrorCode::kData, "the roads' cross sections do not fit into a texture of this OpenGL driver: " +
+                                       std::to_string(scene.sections.size()) + " rows of at most " +
+                                       std::to_string(most)};
+  }
+  state_->roads = RoadTiles(std::move(scene), state_->options.gpu_budget_bytes);
   state_->junctions.upload(network);
   state_->sweeps.upload(network);
   return Done{};

@@ -2,12 +2,14 @@
 // averaged over the pixel by its own footprint along s and t, in metres.
 
 // The noises that materials are made of: broad stains, grain, tufts. s may be reduced by NOISE_PERIOD; seed: shifts the
-// broad stains from road to road. Computed once where strips of several materials share a pixel.
-FN vec3 material_noise(IN(float) s, IN(float) t, IN(float) seed, IN(float) width_s, IN(float) width_t) {
+// broad stains from road to road; tufts: of grass alone, else 0. Computed once where strips of several materials share a
+// pixel.
+FN vec3 material_noise(IN(float) s, IN(float) t, IN(float) seed, IN(float) width_s, IN(float) width_t,
+                       IN(bool) tufts) {
   return vec3(
       noise_fractal_box(s + 17.0 * seed, t * 4.0, float(32.0), 3, float(0.6), width_s, width_t * 4.0),
       noise_fractal_box(s, t, float(0.25), 5, float(1.3), width_s, width_t) * 0.22,
-      noise_fractal_box(s, t, float(2.0), 6, float(0.8), width_s, width_t) * 0.4);
+      noise_fractal_box(s, t, float(2.0), tufts ? 6 : 0, float(0.8), width_s, width_t) * 0.4);
 }
 
 // Albedo of material m: 0 asphalt, 1 concrete, 2 paving, 3 grass, 4 gravel, 5 curbstone. wheel: 0 to 1 in the wheel
@@ -38,5 +40,5 @@ FN vec3 material_color(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(
 
 FN vec3 material_albedo(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(float) seed, IN(float) width_s,
                         IN(float) width_t) {
-  return material_color(m, s, t, wheel, material_noise(s, t, seed, width_s, width_t), width_s, width_t);
+  return material_color(m, s, t, wheel, material_noise(s, t, seed, width_s, width_t, m == 3), width_s, width_t);
 }
