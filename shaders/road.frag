@@ -229,16 +229,22 @@ Look look_at(Spot spot) {
 #else
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
   vec2 width = vec2(length(spot.s_step), length(spot.t_step));
-  return Look(material_noise(s, spot.t, float(ids.x), width.x, width.y), width,
+  return Look(material_noise(s, spot.t, float(ids.x), spot.s_step.x, spot.s_step.y, spot.t_step.x, spot.t_step.y), width,
               frame_light(spot.normal, spot.position));
 #endif
 }
 
-vec3 strip_color(Strip strip, Spot spot, Look look, float middle) {
+// right, left: t of its borders.
+vec3 strip_color(Strip strip, Spot spot, Look look, float right, float left) {
 #ifdef CHANNELS
   return vec3(0.0);
 #else
-  float wheel = strip.driving ? exp(-pow(abs(abs(spot.t - middle) - 0.8), 2.0) * 6.0) : 0.0;
+  float wheel = 0.0;
+  if (strip.driving) {
+    float middle = 0.5 * (right + left);
+    vec2 part = clamp(vec2(spot.t) + vec2(-0.5, 0.5) * look.width.y, right, left);
+    wheel = material_wheel(part.x - middle, part.y - middle);
+  }
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
   return frame_shade(material_color(strip.material, s, spot.t, wheel, look.noise, look.width.x, look.width.y),
                      look.light);
@@ -400,7 +406,7 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
       float part = max(open - beyond, 0.0);
       if (part > 0.0) {
         Spot spot = spot_between(spots, corner, far);
-        add_part(pixel, part, strip_color(Strip(5, 0, 0, false, 0.0), spot, look_at(spot), spot.t), spot, strip.lane);
+        add_part(pixel, part, strip_color(Strip(5, 0, 0, false, 0.0), spot, look_at(spot), spot.t, spot.t), spot, strip.lane);
       }
       open = min(open, beyond);
       before = 0.0;
@@ -417,15 +423,16 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
       open = min(open, beyond);
       if (part > 0.0) {
         spot = spot_between(spots, corner, far);
-        float middle = 0.5 * (border_t(corner, spot) + border_t(far, spot));
+        float right_t = border_t(leftward ? corner : far, spot);
+        float left_t = border_t(leftward ? far : corner, spot);
 #ifdef DETAILED
         if (corner.level != far.level) {
-          color = strip_color(strip, spot, look_at(spot), middle);
+          color = strip_color(strip, spot, look_at(spot), right_t, left_t);
         } else {
-          color = strip_color(strip, spot, LOOK(corner.level), middle);
+          color = strip_color(strip, spot, LOOK(corner.level), right_t, left_t);
         }
 #else
-        color = strip_color(strip, spot, LOOK(corner.level), middle);
+        color = strip_color(strip, spot, LOOK(corner.level), right_t, left_t);
 #endif
         add_part(pixel, part, color, spot, strip.lane);
       }
@@ -463,7 +470,7 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
 Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = no_pixel();
   float part = left_of(spots, Corner(0, 0)) - left_of(spots, Corner(int(section_rows[ids.y].x) - 1, 0));
-  if (part > 0.0) add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), SPOT(0), LOOK(0), 0.0), SPOT(0), 0.0);
+  if (part > 0.0) add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), SPOT(0), LOOK(0), 0.0, 0.0), SPOT(0), 0.0);
   return pixel;
 }
 

@@ -1,13 +1,33 @@
 // What the strips of a road are made of. Albedos in linear light; textures are noise and patterns over (s, t), each
 // averaged over the pixel by its own footprint along s and t, in metres.
 
-// The noises that materials are made of: broad stains, grain, tufts. s may be reduced by NOISE_PERIOD; seed: shifts the
-// broad stains from road to road. Computed once where strips of several materials share a pixel.
-FN vec3 material_noise(IN(float) s, IN(float) t, IN(float) seed, IN(float) width_s, IN(float) width_t) {
+// The noises that materials are made of: broad stains, grain, tufts, averaged over a pixel over which s changes by sa
+// per step to the right and by sb per step up, t by ta and tb. s may be reduced by NOISE_PERIOD; seed: shifts the broad
+// stains from road to road. Computed once where strips of several materials share a pixel.
+FN vec3 material_noise(IN(float) s, IN(float) t, IN(float) seed, IN(float) sa, IN(float) sb, IN(float) ta,
+                       IN(float) tb) {
   return vec3(
-      noise_fractal_box(s + 17.0 * seed, t * 4.0, float(32.0), 3, float(0.6), width_s, width_t * 4.0),
-      noise_fractal_box(s, t, float(0.25), 5, float(1.3), width_s, width_t) * 0.22,
-      noise_fractal_box(s, t, float(2.0), 6, float(0.8), width_s, width_t) * 0.4);
+      noise_fractal_area(s + 17.0 * seed, t * 4.0, float(32.0), 3, float(0.6), sa, sb, ta * 4.0, tb * 4.0),
+      noise_fractal_area(s, t, float(0.25), 5, float(1.3), sa, sb, ta, tb) * 0.22,
+      noise_fractal_area(s, t, float(2.0), 6, float(0.8), sa, sb, ta, tb) * 0.4);
+}
+
+// Integral from 0 to x of exp(-6 x^2), within 4e-4. Source: Abramowitz and Stegun, 7.1.27.
+FN float material_track_integral(IN(float) x) {
+  float z = 2.44948974 * abs(x);
+  float p = 1.0 + z * (0.278393 + z * (0.230389 + z * (0.000972 + z * 0.078108)));
+  float part = 0.36180068 * (1.0 - 1.0 / (p * p * p * p));
+  return x < 0.0 ? -part : part;
+}
+
+// Wear by wheels, 0 to 1, averaged from low to high, metres from the lane's middle: two tracks.
+FN float material_wheel(IN(float) low, IN(float) high) {
+  // Never so narrow that the difference of two integrals loses its digits.
+  float apart = max(0.05 - 0.5 * (high - low), float(0.0));
+  float a = low - apart;
+  float b = high + apart;
+  return (material_track_integral(b + 0.8) - material_track_integral(a + 0.8) + material_track_integral(b - 0.8) -
+          material_track_integral(a - 0.8)) / (b - a);
 }
 
 // Albedo of material m: 0 asphalt, 1 concrete, 2 paving, 3 grass, 4 gravel, 5 curbstone. wheel: 0 to 1 in the wheel
@@ -38,5 +58,6 @@ FN vec3 material_color(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(
 
 FN vec3 material_albedo(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(float) seed, IN(float) width_s,
                         IN(float) width_t) {
-  return material_color(m, s, t, wheel, material_noise(s, t, seed, width_s, width_t), width_s, width_t);
+  return material_color(m, s, t, wheel, material_noise(s, t, seed, width_s, float(0.0), float(0.0), width_t), width_s,
+                        width_t);
 }
