@@ -43,9 +43,9 @@ FN vec3 material_color(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(
     return vec3(0.300, 0.294, 0.276) * ((1.0 + 0.07 * broad + 0.10 * grain) * (1.0 - 0.55 * joint) - 0.04 * wheel);
   }
   if (m == 2) {
-    float gap = max(marking_dash_box(s, float(0.5), float(0.008), width_s),
-                    marking_dash_box(t, float(0.5), float(0.008), width_t));
-    return vec3(0.290, 0.270, 0.240) * ((1.0 + 0.10 * broad + 0.14 * grain) * (1.0 - 0.6 * gap));
+    float solid = (1.0 - marking_dash_box(s, float(0.5), float(0.008), width_s)) *
+                  (1.0 - marking_dash_box(t, float(0.5), float(0.008), width_t));
+    return vec3(0.290, 0.270, 0.240) * ((1.0 + 0.10 * broad + 0.14 * grain) * (0.4 + 0.6 * solid));
   }
   if (m == 3) {
     return mix(vec3(0.064, 0.090, 0.030), vec3(0.142, 0.148, 0.064),
