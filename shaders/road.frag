@@ -325,7 +325,8 @@ vec3 strip_color(Strip strip, Spot spot, Look look, float right, float left) {
     wheel = material_wheel(part.x - middle, part.y - middle);
   }
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
-  return frame_shade(material_color(strip.material, s, spot.t, wheel, look.noise, look.width.x, look.width.y),
+  return frame_shade(material_color(strip.material, s, spot.t, wheel, look.noise, spot.s_step.x, spot.s_step.y,
+                                    spot.t_step.x, spot.t_step.y),
                      look.light);
 #endif
 }
@@ -346,10 +347,10 @@ void add_mark(inout Pixel pixel, float part, float under, vec3 under_color, vec3
 }
 
 // Part of the area that paint covers about (s, t) from the middle of the paint, with the changes of both per step.
-float paint_area(vec4 place, vec4 kind, float s, float t, vec2 ss, vec2 ts) {
+float paint_area(vec4 place, vec4 kind, float s, float t, vec2 ss, vec2 ts, vec2 ws) {
   if (kind.x < 2.0) {
-    float part = filter_band(s, -0.5 * place.z, 0.5 * place.z, ss.x, ss.y) *
-                 filter_band(t, -0.5 * place.w, 0.5 * place.w, ts.x, ts.y);
+    float part = filter_band(s, -0.5 * place.z, 0.5 * place.z, ss.x, ss.y, ws.x, ws.y) *
+                 filter_band(t, -0.5 * place.w, 0.5 * place.w, ts.x, ts.y, ws.x, ws.y);
     // Stripes and gaps alternate from the middle outward, a stripe in the middle.
     return kind.x < 1.0 ? part : part * marking_dash(t + 0.5 * kind.z, 2.0 * kind.z, kind.z, ts.x, ts.y);
   }
@@ -364,14 +365,10 @@ float paint_area(vec4 place, vec4 kind, float s, float t, vec2 ss, vec2 ts) {
   return filter_step(-d, ds * ss.x + dt * ts.x, ds * ss.y + dt * ts.y);
 }
 
-float paint_part(uint row, Spot spot) {
-  vec4 place = paint_rows[2u * row];
-  vec4 kind = paint_rows[2u * row + 1u];
-  float s = spot.s - place.x;
-  float t = spot.t - place.y;
+// Within reach of the pixel?
+bool near_paint(vec4 place, Spot spot) {
   vec2 spread = vec2(abs(spot.s_step.x) + abs(spot.s_step.y), abs(spot.t_step.x) + abs(spot.t_step.y));
-  if (abs(s) > 0.5 * (place.z + spread.x) || abs(t) > 0.5 * (place.w + spread.y)) return 0.0;
-  return paint_area(place, kind, s, t, spot.s_step, spot.t_step);
+  return abs(spot.s - place.x) <= 0.5 * (place.z + spread.x) && abs(spot.t - place.y) <= 0.5 * (place.w + spread.y);
 }
 
 // Only DETAILED roads have more than one level, and paint.
@@ -462,6 +459,8 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
   float open = shift + flip * left_of(spots, corner);
   float before = 0.0;  // what the strip before covers, at this corner's level
   vec3 before_color = vec3(0.0);
+  float road = 0.0;  // what is seen at level 0, where paint lies
+  vec3 road_color = vec3(0.0);
   for (int i = 0; i < borders; ++i) {
     bool last = i + 1 == borders;
     Strip strip = last ? Strip(0, corner.level, corner.level, false, 0.0)
@@ -505,21 +504,26 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
         add_part(pixel, part, color, spot, strip.lane);
       }
     }
+    vec3 bare_color = pixel.color - (corner.level == 0 && far.level == 0 ? part * color : vec3(0.0));
     // The mark on the border just passed, over the strips on both sides of it.
     float under = before + part;
     if (under > 0.0) {
       Mark mark = section_mark(ids.y, corner.border);
       if (mark.kind > 0) {
         float t = spot.t - border_t(corner, spot);
-        vec2 gradient = spot.t_step + t * spot.w_step;
-        float over = marking_border(mark.kind, t, height.w + spot.s, mark.width, mark.space, mark.on, mark.off, gradient.x,
-                                    gradient.y, spot.s_step.x, spot.s_step.y);
+        float over = marking_border(mark.kind, t, height.w + spot.s, mark.width, mark.space, mark.on, mark.off,
+                                    spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y, spot.w_step.x,
+                                    spot.w_step.y);
         if (over > 0.0) {
           // Its ends and corners are no half planes.
           if (over < 1.0 && mark.kind != 1 && mark.kind != 3) pixel.parts = 8;
           add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, LOOK(corner.level)));
         }
       }
+    }
+    if (corner.level == 0 && far.level == 0) {
+      road += part;
+      road_color += pixel.color - bare_color;
     }
     before = part;
     before_color = color;
@@ -528,12 +532,14 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
 #ifdef DETAILED
   uint paint = ids.z >> 8u;
   for (uint i = 0u; i < (ids.z & 255u); ++i) {
+    vec4 place = paint_rows[2u * (paint + i)];
+    if (!SPOT(0).on || !near_paint(place, SPOT(0))) continue;
     vec4 kind = paint_rows[2u * (paint + i) + 1u];
-    float over = SPOT(0).on ? paint_part(paint + i, SPOT(0)) : 0.0;
-    if (over > 0.0 && pixel.coverage > 0.0) {
-      if (over < 1.0) pixel.parts = 8;
-      add_mark(pixel, over, pixel.coverage, pixel.color / pixel.coverage, paint_color(int(kind.y), LOOK(0)));
-    }
+    float over = paint_area(place, kind, SPOT(0).s - place.x, SPOT(0).t - place.y, SPOT(0).s_step, SPOT(0).t_step,
+                            SPOT(0).w_step);
+    // An arrow's outline is known by its nearest line alone.
+    if (kind.x >= 2.0 || (over > 0.0 && over < 1.0)) pixel.parts = 8;
+    if (over > 0.0 && road > 0.0) add_mark(pixel, over, road, road_color / road, paint_color(int(kind.y), LOOK(0)));
   }
 #endif
   return pixel;

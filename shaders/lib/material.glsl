@@ -32,19 +32,19 @@ FN float material_wheel(IN(float) low, IN(float) high) {
 
 // Albedo of material m: 0 asphalt, 1 concrete, 2 paving, 3 grass, 4 gravel, 5 curbstone. wheel: 0 to 1 in the wheel
 // tracks; noise: material_noise.
-FN vec3 material_color(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(vec3) noise, IN(float) width_s,
-                       IN(float) width_t) {
+FN vec3 material_color(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(vec3) noise, IN(float) sa,
+                       IN(float) sb, IN(float) ta, IN(float) tb) {
   float broad = noise.x;
   float grain = noise.y;
   if (m == 0) return ground_asphalt(wheel, broad, grain);
   if (m == 1) {
     // Slabs of 5 m with dark joints.
-    float joint = marking_dash_box(s, float(5.0), float(0.012), width_s);
+    float joint = marking_dash(s, float(5.0), float(0.012), sa, sb);
     return vec3(0.300, 0.294, 0.276) * ((1.0 + 0.07 * broad + 0.10 * grain) * (1.0 - 0.55 * joint) - 0.04 * wheel);
   }
   if (m == 2) {
-    float solid = (1.0 - marking_dash_box(s, float(0.5), float(0.008), width_s)) *
-                  (1.0 - marking_dash_box(t, float(0.5), float(0.008), width_t));
+    float solid = (1.0 - marking_dash(s, float(0.5), float(0.008), sa, sb)) *
+                  (1.0 - marking_dash(t, float(0.5), float(0.008), ta, tb));
     return vec3(0.290, 0.270, 0.240) * ((1.0 + 0.10 * broad + 0.14 * grain) * (0.4 + 0.6 * solid));
   }
   if (m == 3) {
@@ -52,12 +52,13 @@ FN vec3 material_color(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(
                clamp(0.45 + 0.35 * broad + 0.35 * noise.z, float(0.0), float(1.0))) * (1.0 + 0.4 * grain);
   }
   if (m == 4) return vec3(0.235, 0.220, 0.195) * (1.0 + 0.10 * broad + 0.55 * grain);
-  float seam = marking_dash_box(s, float(1.0), float(0.008), width_s);
+  float seam = marking_dash(s, float(1.0), float(0.008), sa, sb);
   return vec3(0.360, 0.350, 0.330) * ((1.0 + 0.06 * broad + 0.12 * grain) * (1.0 - 0.6 * seam));
 }
 
 FN vec3 material_albedo(IN(int) m, IN(float) s, IN(float) t, IN(float) wheel, IN(float) seed, IN(float) width_s,
                         IN(float) width_t) {
-  return material_color(m, s, t, wheel, material_noise(s, t, seed, width_s, float(0.0), float(0.0), width_t), width_s,
+  float none = float(0.0);
+  return material_color(m, s, t, wheel, material_noise(s, t, seed, width_s, none, none, width_t), width_s, none, none,
                         width_t);
 }
