@@ -275,11 +275,11 @@ struct Pixel {
   float label;
   float most;
   bool on;         // some part lies on this segment
-  int parts;       // in which it is better taken, if not 0
+  bool rough;      // not exact for the whole pixel
 };
 
 Pixel no_pixel() {
-  return Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0, false, 0);
+  return Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0, false, false);
 }
 
 void add_part(inout Pixel pixel, float part, vec3 color, Spot spot, float lane) {
@@ -516,7 +516,7 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
                                     spot.w_step.y);
         if (over > 0.0) {
           // Its ends and corners are no half planes.
-          if (over < 1.0 && mark.kind != 1 && mark.kind != 3) pixel.parts = 8;
+          if (over < 1.0 && mark.kind != 1 && mark.kind != 3) pixel.rough = true;
           add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, LOOK(corner.level)));
         }
       }
@@ -538,7 +538,7 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
     float over = paint_area(place, kind, SPOT(0).s - place.x, SPOT(0).t - place.y, SPOT(0).s_step, SPOT(0).t_step,
                             SPOT(0).w_step);
     // An arrow's outline is known by its nearest line alone.
-    if (kind.x >= 2.0 || (over > 0.0 && over < 1.0)) pixel.parts = 8;
+    if (kind.x >= 2.0 || (over > 0.0 && over < 1.0)) pixel.rough = true;
     if (over > 0.0 && road > 0.0) add_mark(pixel, over, road, road_color / road, paint_color(int(kind.y), LOOK(0)));
   }
 #endif
@@ -553,16 +553,25 @@ Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   return pixel;
 }
 
+// Sixteen parts, right and up, each about as long as wide on the road; near a crest one above the other, or where the
+// picture leans, beside.
+ivec2 division(Spot spot) {
+  float across = length(vec2(spot.s_step.x, spot.t_step.x));
+  float upward = length(vec2(spot.s_step.y, spot.t_step.y));
+  float ratio = max(across, upward) / max(min(across, upward), 1e-9);
+  int few = spot.crest || ratio > 8.0 ? 1 : (ratio > 2.0 ? 2 : 4);
+  return upward > across ? ivec2(few, 16 / few) : ivec2(16 / few, few);
+}
+
 // What a part of the pixel shows.
 struct Sight {
   Pixel pixel;
   bool leaves;  // the ray leaves the segment over a joint, on its way to the road
   bool buried;  // it has met the road before the segment
-  bool crest;   // the part is near one
-  bool upward;  // it is longer up than right, on the road
+  ivec2 parts;  // in which it is better taken, right and up
 };
 
-Sight no_sight() { return Sight(no_pixel(), false, false, false, true); }
+Sight no_sight() { return Sight(no_pixel(), false, false, ivec2(0)); }
 
 Sight look_through(RoadSurface r, Part part) {
   Sight sight = no_sight();
@@ -596,7 +605,6 @@ Sight look_through(RoadSurface r, Part part) {
 #endif
   bool from_below = dot(spots[0].normal, spots[0].position) > 0.0;
   if (from_below) spots[0].normal = -spots[0].normal;
-  sight.upward = abs(dot(spots[0].normal, up.xyz)) >= abs(dot(spots[0].normal, right.xyz));
   Look looks[SPOTS];
   looks[0] = look_at(spots[0]);
 #ifdef DETAILED
@@ -614,7 +622,9 @@ Sight look_through(RoadSurface r, Part part) {
   if ((ids.w & kOpenEnd) != 0u) open *= open_end(at.x - 1.0, at.y, r.b, -1.0, spots[0], part.size);
   pixel.color *= open;
   pixel.coverage *= open;
-  sight.crest = spots[0].crest;
+#ifndef CHANNELS
+  if (spots[0].crest || (pixel.on && pixel.rough)) sight.parts = division(spots[0]);
+#endif
 #if defined(RELIEF) && !defined(CHANNELS)
   // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
   // pixel keeps the ground below it out of all of them.
@@ -646,19 +656,16 @@ void main() {
   for (int i = -1; i < parts; ++i) {
     Part part = Part(vec2(0.0), vec2(1.0), false);
     if (i >= 0) {
-      float size = 1.0 / float(parts);
-      float at = (float(i) + 0.5) * size - 0.5;
-      part = whole.upward ? Part(vec2(0.0, at), vec2(1.0, size), whole.pixel.on)
-                          : Part(vec2(at, 0.0), vec2(size, 1.0), whole.pixel.on);
+      part.size = 1.0 / vec2(whole.parts);
+      part.at = (vec2(float(i % whole.parts.x), float(i / whole.parts.x)) + 0.5) * part.size - 0.5;
+      part.beyond = whole.pixel.on;
     }
     Sight sight = look_through(r, part);
     if (i < 0) {
       whole = sight;
       pixel = sight.pixel;
-#ifndef CHANNELS
-      parts = sight.crest ? 16 : (sight.pixel.on ? sight.pixel.parts : 0);
+      parts = sight.parts.x * sight.parts.y;
       if (parts > 0) pixel = no_pixel();
-#endif
       continue;
     }
     if (!sight.pixel.on) {
