@@ -178,9 +178,11 @@ vec3 albedo_at(Spot spot) {
     float part = 1.0 - smoothstep(0.0, 8.0, sqrt(ahead * ahead + beyond * beyond));
     if (!(part > 0.0)) continue;
     vec4 road = cut_rows[4u * (header.range.x + i) + 3u];
-    float wheel = exp(-pow(abs(abs(n - 0.5 * (n > 0.0 ? c.left : c.right)) - 0.8), 2.0) * 6.0);
+    float from_middle = n - 0.5 * (n > 0.0 ? c.left : c.right);
+    float width_t = dot(abs(left), width);
+    float wheel = material_wheel(from_middle - 0.5 * width_t, from_middle + 0.5 * width_t);
     albedo = mix(albedo, material_albedo(0, road.x + road.y * ahead, road.y * n, wheel, road.z,
-                                         dot(abs(left.yx), width), dot(abs(left), width)), part);
+                                         dot(abs(left.yx), width), width_t), part);
   }
   return albedo;
 }

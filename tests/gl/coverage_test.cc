@@ -145,7 +145,8 @@ class FlatShaders {
  public:
   FlatShaders() {
     replace("lib/material.glsl", {"material_color"},
-            "FN vec3 material_color(int m, float s, float t, float wheel, vec3 noise, float ws, float wt) {\n" +
+            "FN vec3 material_color(int m, float s, float t, float wheel, vec3 noise, float sa, float sb, float ta, float "
+            "tb) {\n" +
                 flat_colors() + "}\n");
     replace("lib/marking.glsl", {"marking_color"}, "FN vec3 marking_color(int color) { return vec3(1.0); }\n");
     replace("lib/sky.glsl", {"sky_sun_color", "sky_ambient", "sky_transmittance", "sky_tone"},

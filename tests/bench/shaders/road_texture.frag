@@ -40,6 +40,6 @@ void main() {
 #else
   vec2 found = textureGrad(markings, place, dx, dy).rg;
 #endif
-  vec3 asphalt = material_color(0, spot.s, spot.t, found.g, look.noise, 0.0, 0.0);
+  vec3 asphalt = material_color(0, spot.s, spot.t, found.g, look.noise, 0.0, 0.0, 0.0, 0.0);
   out_color = vec4(mix(frame_shade(asphalt, look.light), paint_color(0, look), found.r), coverage);
 }
