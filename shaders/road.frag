@@ -451,7 +451,7 @@ bool ends_askew(Mark mark, float over, Spot spot) {
   float dash = marking_dash(height.w + spot.s, max(mark.on + mark.off, 1e-3), mark.on, spot.s_step.x, spot.s_step.y);
   float band = clamp(over / max(dash, 1e-6), 0.0, 1.0);
   float slant = abs(dot(spot.s_step, spot.t_step)) / max(length(spot.s_step) * length(spot.t_step), 1e-12);
-  return (slant + length(spot.w_step)) * sqrt(dash * (1.0 - dash) * band * (1.0 - band)) > 0.02;
+  return (slant + length(spot.w_step)) * sqrt(dash * (1.0 - dash) * band * (1.0 - band)) > 0.05;
 }
 
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
@@ -562,14 +562,20 @@ Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   return pixel;
 }
 
-// Sixteen parts, right and up, each about as long as wide on the road; near a crest one above the other, or where the
-// picture leans, beside.
+// Parts, right and up, each about as long as wide on the road; near a crest sixteen, one above the other, or where the
+// picture leans, beside. Paint has more corners than dashes have.
 ivec2 division(Spot spot) {
   float across = length(vec2(spot.s_step.x, spot.t_step.x));
   float upward = length(vec2(spot.s_step.y, spot.t_step.y));
   float ratio = max(across, upward) / max(min(across, upward), 1e-9);
+#ifdef DETAILED
   int few = spot.crest || ratio > 8.0 ? 1 : (ratio > 2.0 ? 2 : 4);
-  return upward > across ? ivec2(few, 16 / few) : ivec2(16 / few, few);
+  int many = 16 / few;
+#else
+  int few = spot.crest || ratio > 4.0 ? 1 : 2;
+  int many = (spot.crest ? 16 : 8) / few;
+#endif
+  return upward > across ? ivec2(few, many) : ivec2(many, few);
 }
 
 // What a part of the pixel shows.
