@@ -207,7 +207,8 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
       first_climb = 0.0;
     }
     bool diverges = before > 0.0 && nearest.k == start.k && ray.k.x > ray.wide.x && first_climb > 0.0;
-    crest = !diverges && ray.k.x <= ray.k.y && min(abs(first_climb), abs(last_climb)) < 0.03 &&
+    crest = !diverges && ray.k.x <= ray.k.y && r.chord * abs(nearest.v) < 1.5 * limit + 1.0 &&
+            min(abs(first_climb), abs(last_climb)) < 0.03 &&
             nearest.residual < pixel * (ray.reach + nearest.k);
     // Held at the end where it is nearer.
     hit = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, r, above, first_climb);
@@ -235,9 +236,9 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
     int last = int(section_row(ids.y).x) - 1;
     float away = min(abs(spot.t - section_border(ids.y, 0, height.w + spot.s)),
                      abs(spot.t - section_border(ids.y, last, height.w + spot.s)));
-    if (!crest && away < 2.0 * (abs(spot.t_step.x) + abs(spot.t_step.y))) {
+    if (!crest && away < 1.5 * (abs(spot.t_step.x) + abs(spot.t_step.y))) {
       float back = abs(surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, hit.k - step, r));
-      crest = max(abs(ahead - 2.0 * deep), abs(back - 2.0 * deep)) > 0.3 * deep;
+      crest = max(abs(ahead - 2.0 * deep), abs(back - 2.0 * deep)) > 0.4 * deep;
     }
   }
 #endif
@@ -456,6 +457,15 @@ float clear_of(Spot spot, int border, float reach, float flip) {
 }
 #endif
 
+// Is a dash's end that the pixel shows askew in it? Parts across and along are multiplied, as if each were spread alike
+// over the other: off by up to their correlation.
+bool ends_askew(Mark mark, float over, Spot spot) {
+  float dash = marking_dash(height.w + spot.s + mark.phase, max(mark.on + mark.off, 1e-3), mark.on, spot.s_step.x, spot.s_step.y);
+  float band = clamp(over / max(dash, 1e-6), 0.0, 1.0);
+  float slant = abs(dot(spot.s_step, spot.t_step)) / max(length(spot.s_step) * length(spot.t_step), 1e-12);
+  return (slant + length(spot.w_step)) * sqrt(dash * (1.0 - dash) * band * (1.0 - band)) > 0.05;
+}
+
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
 // that nothing up to here has taken. A ray that leaves the segment between two levels counts where it leaves, so that
 // both neighbours of a joint fill their pixels.
@@ -537,8 +547,7 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
                                     spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y, spot.w_step.x,
                                     spot.w_step.y);
         if (over > 0.0) {
-          // Its ends and corners are no half planes.
-          if (over < 1.0 && mark.kind != 1 && mark.kind != 3) pixel.rough = true;
+          if (over < 1.0 && mark.kind != 1 && mark.kind != 3) pixel.rough = pixel.rough || ends_askew(mark, over, spot);
           add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, LOOK(corner.level)));
         }
       }
@@ -578,14 +587,20 @@ Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   return pixel;
 }
 
-// Sixteen parts, right and up, each about as long as wide on the road; near a crest one above the other, or where the
-// picture leans, beside.
+// Parts, right and up, each about as long as wide on the road; near a crest sixteen, one above the other, or where the
+// picture leans, beside. Paint has more corners than dashes have.
 ivec2 division(Spot spot) {
   float across = length(vec2(spot.s_step.x, spot.t_step.x));
   float upward = length(vec2(spot.s_step.y, spot.t_step.y));
   float ratio = max(across, upward) / max(min(across, upward), 1e-9);
+#ifdef DETAILED
   int few = spot.crest || ratio > 8.0 ? 1 : (ratio > 2.0 ? 2 : 4);
-  return upward > across ? ivec2(few, 16 / few) : ivec2(16 / few, few);
+  int many = 16 / few;
+#else
+  int few = spot.crest || ratio > 4.0 ? 1 : 2;
+  int many = (spot.crest ? 16 : 8) / few;
+#endif
+  return upward > across ? ivec2(few, many) : ivec2(many, few);
 }
 
 // What a part of the pixel shows.
@@ -598,7 +613,8 @@ struct Sight {
 
 Sight no_sight() { return Sight(no_pixel(), false, false, ivec2(0)); }
 
-Sight look_through(RoadSurface r, Part part) {
+// looks: those of the whole pixel serve all its parts.
+Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
   Sight sight = no_sight();
   Spot spots[SPOTS];
 #ifdef RELIEF
@@ -630,11 +646,12 @@ Sight look_through(RoadSurface r, Part part) {
 #endif
   bool from_below = dot(spots[0].normal, spots[0].position) > 0.0;
   if (from_below) spots[0].normal = -spots[0].normal;
-  Look looks[SPOTS];
-  looks[0] = look_at(spots[0]);
+  if (!part.beyond) {
+    looks[0] = look_at(spots[0]);
 #ifdef DETAILED
-  for (int i = 1; i < levels; ++i) looks[i] = look_at(spots[i]);
+    for (int i = 1; i < levels; ++i) looks[i] = look_at(spots[i]);
 #endif
+  }
   Pixel pixel;
   if (from_below) {
     pixel = underside(spots, looks);
@@ -676,6 +693,7 @@ void main() {
   // goes on over its joints, so that no gap is left between it and its neighbours.
   Sight whole = no_sight();
   Pixel pixel = no_pixel();
+  Look looks[SPOTS];
   int parts = 0;
   int hidden = 0;
   for (int i = -1; i < parts; ++i) {
@@ -685,7 +703,7 @@ void main() {
       part.at = (vec2(float(i % whole.parts.x), float(i / whole.parts.x)) + 0.5) * part.size - 0.5;
       part.beyond = whole.pixel.on;
     }
-    Sight sight = look_through(r, part);
+    Sight sight = look_through(r, part, looks);
     if (i < 0) {
       whole = sight;
       pixel = sight.pixel;

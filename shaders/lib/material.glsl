@@ -4,12 +4,30 @@
 // The noises that materials are made of: broad stains, grain, tufts, averaged over a pixel over which s changes by sa
 // per step to the right and by sb per step up, t by ta and tb. s may be reduced by NOISE_PERIOD; seed: shifts the broad
 // stains from road to road; tufts: of grass alone, else 0. Computed once where strips of several materials share a pixel.
+// Where the pixel lies askew to the road, four boxes along its slant take the place of one: the spread of each and theirs
+// from each other have the pixel's variances and, up to a correlation of 15/16, its covariance.
 FN vec3 material_noise(IN(float) s, IN(float) t, IN(float) seed, IN(float) sa, IN(float) sb, IN(float) ta,
                        IN(float) tb, IN(bool) tufts) {
-  return vec3(
-      noise_fractal_area(s + 17.0 * seed, t * 4.0, float(32.0), 3, float(0.6), sa, sb, ta * 4.0, tb * 4.0),
-      noise_fractal_area(s, t, float(0.25), 5, float(1.3), sa, sb, ta, tb) * 0.22,
-      noise_fractal_area(s, t, float(2.0), tufts ? 6 : 0, float(0.8), sa, sb, ta, tb) * 0.4);
+  float wide = sqrt(sa * sa + sb * sb);
+  float high = sqrt(ta * ta + tb * tb);
+  float slant = (sa * ta + sb * tb) / max(wide * high, float(1e-12));
+  float askew = abs(slant) > 0.3 ? min(abs(slant), float(0.9375)) : float(0.0);
+  int boxes = askew > 0.0 ? 4 : 1;
+  float apart = 0.25 * sqrt(askew / 0.9375);
+  float step_s = apart * wide;
+  float step_t = slant < 0.0 ? -apart * high : apart * high;
+  wide *= sqrt(1.0 - askew);
+  high *= sqrt(1.0 - askew);
+  vec3 sum = vec3(0.0, 0.0, 0.0);
+  for (int i = 0; i < boxes; ++i) {
+    float k = float(i) - 0.5 * float(boxes - 1);
+    float x = s + k * step_s;
+    float y = t + k * step_t;
+    sum += vec3(noise_fractal_box(x + 17.0 * seed, y * 4.0, float(32.0), 3, float(0.6), wide, high * 4.0),
+                noise_fractal_box(x, y, float(0.25), 5, float(1.3), wide, high) * 0.22,
+                noise_fractal_box(x, y, float(2.0), tufts ? 6 : 0, float(0.8), wide, high) * 0.4);
+  }
+  return sum * (1.0 / float(boxes));
 }
 
 // Integral from 0 to x of exp(-6 x^2), within 4e-4. Source: Abramowitz and Stegun, 7.1.27.

@@ -105,38 +105,17 @@ FN float noise_value_box(IN(float) x, IN(float) y, IN(float) wavelength, IN(floa
   return sum / (wide * high);
 }
 
-// noise_fractal, averaged over a pixel over which x changes by xa per step to the right and by xb per step up, y by ya
-// and yb. Where the pixel lies askew in x and y, four boxes along its slant take the place of one: their spread and
-// theirs from each other have the pixel's variances and, up to a correlation of 15/16, its covariance. An octave goes
-// when its mean over so many cells is near 0.
-FN float noise_fractal_area(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) octaves, IN(float) gain,
-                            IN(float) xa, IN(float) xb, IN(float) ya, IN(float) yb) {
-  float wide = max(sqrt(xa * xa + xb * xb), float(1e-6));
-  float high = max(sqrt(ya * ya + yb * yb), float(1e-6));
-  float slant = (xa * ya + xb * yb) / (wide * high);
-  float askew = min(abs(slant), float(0.9375));
-  float apart = 0.25 * sqrt(askew / 0.9375);
-  float rest = sqrt(1.0 - askew);
-  float step_x = wide * apart;
-  float step_y = slant < 0.0 ? -high * apart : high * apart;
+// noise_fractal, averaged over a box of the given widths. An octave goes when its mean over so many cells is near 0.
+FN float noise_fractal_box(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) octaves, IN(float) gain,
+                           IN(float) width_x, IN(float) width_y) {
   float sum = float(0.0);
   float weight = float(1.0);
   float length_m = wavelength;
   for (int octave = 0; octave < octaves; ++octave) {
-    float cells = max(wide / length_m, float(1.0)) * max(high / length_m, float(1.0));
+    float cells = max(width_x / length_m, float(1.0)) * max(width_y / length_m, float(1.0));
     float band = clamp(2.0 - 0.125 * cells, float(0.0), float(1.0));
     if (!(band > 0.0)) break;  // nor do finer ones
-    bool split = askew > 0.1 && wide * high > 0.03 * length_m * length_m;
-    int parts = split ? 4 : 1;
-    float part_wide = split ? rest * wide : wide;
-    float part_high = split ? rest * high : high;
-    float first = split ? float(-1.5) : float(0.0);
-    float mean = float(0.0);
-    for (int i = 0; i < parts; ++i) {
-      float k = first + float(i);
-      mean += noise_value_box(x + k * step_x, y + k * step_y, length_m, part_wide, part_high);
-    }
-    sum += weight * band * mean / float(parts);
+    sum += weight * band * noise_value_box(x, y, length_m, width_x, width_y);
     weight *= gain;
     length_m *= 0.5;
   }
