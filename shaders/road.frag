@@ -181,7 +181,6 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   RoadHit hit = surface_find(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit, r);
   // Rays that touch a crest come no nearer.
   bool on = hit.residual <= (hit.k > k.x && hit.k < k.y ? 10.0 : 1.0) * tolerance;
-  bool within = on && hit.k >= ray.k.x && hit.k <= ray.k.y;
   float above = 0.0;
   bool approaches = false;
   bool buried = false;
@@ -225,8 +224,11 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   c.v = hit.v;
   Spot spot = spot_at(r, vec2(hit.x, hit.y), c, hit.s,
                       vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z), part.size);
-#ifndef CHANNELS
   float toward_it = abs(dot(spot.normal, ray.along)) / spot.normal.z;
+  // The place along the ray is known to within the tolerance of the height: neighbours overlap by that.
+  float slack = min(tolerance / max(toward_it, 1e-4), 1.0);
+  bool within = on && hit.k >= ray.k.x - slack && hit.k <= ray.k.y + slack;
+#ifndef CHANNELS
   if (within && toward_it < 0.1) {
     // Does the surface bend away from the ray before the ray is a pixel deep, or within a pixel at its sides?
     float deep = pixel * (ray.reach + hit.k);
@@ -245,7 +247,7 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   spot.beyond = part.beyond;
   spot.on = part.beyond ? on : within && !(buried && part.size.x * part.size.y < 1.0);
   spot.buried = buried;
-  spot.approaches = approaches;
+  spot.approaches = approaches || (on && !spot.on && hit.k > ray.k.y);
   spot.crest = crest;
   spot.h = lift + above;
   return spot;
@@ -669,10 +671,12 @@ Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
 #endif
 #if defined(RELIEF) && !defined(CHANNELS)
   // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
-  // pixel keeps the ground below it out of all of them.
+  // pixel keeps the ground below it out of all of them. Where the ray grazes the road, that is bounded: it must not come
+  // before the road that hides it.
   vec3 step_x = frame_footprint(spots[0].position, spots[0].normal, right.xyz) * part.size.x;
   vec3 step_y = frame_footprint(spots[0].position, spots[0].normal, up.xyz) * part.size.y;
-  pixel.depth -= 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
+  float spread = 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
+  if (!from_below) pixel.depth -= min(spread, 0.25 * pixel.depth);
 #endif
   sight.pixel = pixel;
   return sight;
