@@ -63,7 +63,8 @@ FN float noise_fractal(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) o
   float length_m = wavelength;
   for (int octave = 0; octave < octaves; ++octave) {
     float band = noise_band(length_m, footprint);
-    if (band > 0.0) sum += weight * band * noise_value(x, y, length_m);
+    if (!(band > 0.0)) break;  // nor do finer ones
+    sum += weight * band * noise_value(x, y, length_m);
     weight *= gain;
     length_m *= 0.5;
   }
