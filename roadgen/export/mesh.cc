@@ -378,7 +378,9 @@ Result<NetworkMesh> tessellate(const Network& network, const MeshOptions& option
     return Error{ErrorCode::kUsage, "the error of a mesh must be from 0.0001 to 1 m"};
   }
   NetworkMesh mesh;
+  const std::vector<bool> in_area = roads_in_areas(network);
   for (const Road& road : network.roads) {
+    if (in_area[static_cast<std::size_t>(&road - network.roads.data())]) continue;  // the area is drawn
     if (Status s = RoadMesher(road, options.max_error_m, mesh).run(); !s) return s.error();
   }
   for (const Junction& junction : network.junctions) {

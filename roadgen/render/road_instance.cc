@@ -202,8 +202,10 @@ RoadScene road_scene(const Network& network) {
   std::vector<std::vector<PlacedSection>> sections(network.roads.size());
   std::vector<PlacedSegment> all;
   all.reserve(network.segment_count());
+  const std::vector<bool> in_area = roads_in_areas(network);
   for (std::size_t i = 0; i < network.roads.size(); ++i) {
     const Road& road = network.roads[i];
+    if (in_area[i]) continue;  // the area is drawn
     for (const LaneSection& section : road.sections) {
       sections[i].push_back(
           {table.add(section), common_period_m(section), is_raised(section), lane_height_range_m(section)});

@@ -17,10 +17,6 @@ bool is_beside(const Lane& lane) {
          lane.type == LaneType::kCurb || lane.type == LaneType::kNone;
 }
 
-std::size_t carriageway_lanes(const std::vector<Lane>& side) {
-  return static_cast<std::size_t>(std::find_if(side.begin(), side.end(), is_beside) - side.begin());
-}
-
 // The cross section at an end of a road, with every width a number.
 struct EndSection {
   LaneSection section;
@@ -125,6 +121,10 @@ Road* find(Network& network, const std::string& id) {
 
 }  // namespace
 
+std::size_t carriageway_lanes(const std::vector<Lane>& side) {
+  return static_cast<std::size_t>(std::find_if(side.begin(), side.end(), is_beside) - side.begin());
+}
+
 JunctionArm arm_of(const Road& road, bool at_end) {
   const Segment& segment = at_end ? road.segments.back() : road.segments.front();
   const double s = at_end ? segment.arc_m : 0, sign = at_end ? 1 : -1;
@@ -179,6 +179,7 @@ Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>
   for (const RoadEnd& end : ends) {
     Road& road = *find(network, end.road);
     (end.at_end ? road.joined_end : road.joined_start) = true;
+    (end.at_end ? road.successor : road.predecessor) = {.to = RoadLink::To::kJunction, .id = id};
   }
   network.junctions.push_back(std::move(*junction));
   std::move(corners.begin(), corners.end(), std::back_inserter(network.roads));

@@ -13,12 +13,16 @@ struct RoadEnd {
   bool at_end = false;  // the road's end, otherwise its start
 };
 
-// How a road's end meets a junction. The carriageway reaches outward to the first kerb, sidewalk, verge or raised lane.
+// How many lanes of a side, from the centre outward, are carriageway: it ends at the first kerb, sidewalk, verge or
+// raised lane.
+std::size_t carriageway_lanes(const std::vector<Lane>& side);
+
+// How a road's end meets a junction.
 JunctionArm arm_of(const Road& road, bool at_end);
 
 // Adds to the network the junction `id` that the given ends of its roads form, and for every corner beside which both
 // arms have kerbs, sidewalks or verges a road "ID.corner.N" that carries them around: strips of one type are joined,
-// others taper away. Ends in the junction are marked as joined, so markings and surfaces end at its cut.
+// others taper away. Ends in the junction are marked as joined, so markings and surfaces end at its cut, and linked to it.
 // Diagnostics: as make_junction. Errors: as make_junction; kGeometry for an end of a road that the network lacks or that
 // is closed. The network is unchanged then.
 Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends,

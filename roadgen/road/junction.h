@@ -45,6 +45,7 @@ struct Junction {
   std::vector<JunctionArm> arms;              // counter-clockwise
   std::vector<std::vector<Segment>> corners;  // [i]: from the right edge of arm i to the left edge of the next arm,
                                               // area on its left; s_start_m from 0, elevation_m set
+  double corner_radius_m = 0;                 // that make_junction was asked for: arms and it give the corners again
   double underlap_m = 0;  // how far the area is drawn beyond its corners, under strips that lie along them
 };
 
