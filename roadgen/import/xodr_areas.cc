@@ -14,8 +14,8 @@ namespace {
 // How far a road's end may lie from the arm that our own file states.
 constexpr double kMovedArm_m = 0.01, kTurnedArm_rad = 1e-3;
 constexpr double kMostOutside_m = 0.5;
-constexpr double kMostStep_m = 0.1;
-constexpr double kMostFree = 0.2;  // part of the area
+constexpr double kMostStep_m = 0.3;
+constexpr double kMostFree = 0.5;  // part of the area: shoulders and medians that no way leads over
 constexpr double kWidest_m = 500;  // area, and carriageway of a connecting road
 constexpr double kProbe_m = 0.5;   // distance of the places looked at
 // Corners as wide as the arms allow: connecting roads begin to turn at the cuts.
@@ -90,24 +90,6 @@ Meetings meetings(const Network& network, const RoadsById& ids) {
   return all;
 }
 
-// The part of a road's cross section that is carriageway at s of a segment: from right to left, in the plane.
-struct Carriageway {
-  double left_m, right_m;
-};
-Carriageway carriageway(const Road& road, const Segment& segment, double local_s_m) {
-  const LaneSection& section = section_of(road, segment);
-  const double ds = section_offset_m(road, segment) + local_s_m;
-  const double middle = section.offset_m.value(ds);
-  Carriageway c{middle, middle};
-  for (std::size_t i = 0; i < carriageway_lanes(section.left); ++i) {
-    c.left_m += std::max(section.left[i].width_m.value(ds), 0.0);
-  }
-  for (std::size_t i = 0; i < carriageway_lanes(section.right); ++i) {
-    c.right_m -= std::max(section.right[i].width_m.value(ds), 0.0);
-  }
-  return c;
-}
-
 // How the connecting roads' carriageways and the area agree.
 struct Agreement {
   double outside_m = 0;  // farthest place of a carriageway beyond the area's edge
@@ -135,7 +117,7 @@ Agreement agreement(const JunctionSurface& surface, const Network& network, cons
       const int along = 1 + static_cast<int>(2 * segment.arc_m / kStep_m);
       for (int i = 0; i <= along; ++i) {
         const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
-        const Carriageway c = carriageway(road, segment, local);
+        const Carriageway c = carriageway_at(road, segment, local);
         const double heading = heading_rad(segment, u);
         const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
         const double cosine = std::cos(segment.superelevation_rad.value(local));

@@ -17,35 +17,65 @@ bool is_beside(const Lane& lane) {
          lane.type == LaneType::kCurb || lane.type == LaneType::kNone;
 }
 
-// The cross section at an end of a road, with every width a number.
-struct EndSection {
-  LaneSection section;
-  double left_m, right_m;  // t of the carriageway's edges along the road
+// The cross section at a place of a road: its lanes from right to left with their borders' t, one more; those from
+// `first` to before `last` are the carriageway.
+struct CrossSection {
+  std::vector<Lane> lanes;
+  std::vector<double> border_m;
+  std::size_t rights = 0;  // lanes right of the centre lane
+  std::size_t first = 0, last = 0;
 };
 
-std::vector<Lane> frozen(std::vector<Lane> lanes, double ds_m) {
-  for (Lane& lane : lanes) lane.width_m = {std::max(lane.width_m.value(ds_m), 0.0)};
-  return lanes;
+// A run of lanes without anything beside a carriageway between them: the one that holds the reference line, or else the
+// widest with a driving lane.
+void find_carriageway(CrossSection& c) {
+  double best = -1;
+  for (std::size_t i = 0; i < c.lanes.size();) {
+    std::size_t end = i;
+    bool driven = false;
+    for (; end < c.lanes.size() && !is_beside(c.lanes[end]); ++end) driven |= c.lanes[end].type == LaneType::kDriving;
+    const double right = c.border_m[i], left = c.border_m[end];
+    const double rank = right < 0 && left > 0 ? 1e300 : (driven ? left - right : 0);
+    if (end > i && rank > best) best = rank, c.first = i, c.last = end;
+    i = std::max(end, i + 1);
+  }
+  if (best < 0) c.first = c.last = c.rights;
 }
 
-EndSection section_at(const Road& road, bool at_end) {
+CrossSection cross_section(const Road& road, const Segment& segment, double local_s_m) {
+  const LaneSection& section = section_of(road, segment);
+  const double ds = section_offset_m(road, segment) + local_s_m;
+  CrossSection c;
+  c.rights = section.right.size();
+  c.lanes.assign(section.right.rbegin(), section.right.rend());
+  c.lanes.insert(c.lanes.end(), section.left.begin(), section.left.end());
+  for (Lane& lane : c.lanes) lane.width_m = {std::max(lane.width_m.value(ds), 0.0)};
+  c.border_m.resize(c.lanes.size() + 1);
+  c.border_m[c.rights] = section.offset_m.value(ds);
+  for (std::size_t i = c.rights; i > 0; --i) c.border_m[i - 1] = c.border_m[i] - c.lanes[i - 1].width_m.c0;
+  for (std::size_t i = c.rights; i < c.lanes.size(); ++i) c.border_m[i + 1] = c.border_m[i] + c.lanes[i].width_m.c0;
+  find_carriageway(c);
+  return c;
+}
+
+CrossSection section_at(const Road& road, bool at_end) {
   const Segment& segment = at_end ? road.segments.back() : road.segments.front();
-  const double ds = section_offset_m(road, segment) + (at_end ? segment.arc_m : 0);
-  EndSection end;
-  end.section = section_of(road, segment);
-  end.section.left = frozen(end.section.left, ds);
-  end.section.right = frozen(end.section.right, ds);
-  end.left_m = end.right_m = end.section.offset_m.value(ds);
-  for (std::size_t i = 0; i < carriageway_lanes(end.section.left); ++i) end.left_m += end.section.left[i].width_m.c0;
-  for (std::size_t i = 0; i < carriageway_lanes(end.section.right); ++i) end.right_m -= end.section.right[i].width_m.c0;
-  return end;
+  return cross_section(road, segment, at_end ? segment.arc_m : 0);
 }
 
 // What lies beside the carriageway, outward; on the left or on the right of one who looks into the junction.
 std::vector<Lane> strips(const Road& road, bool at_end, bool on_left) {
-  const LaneSection section = section_at(road, at_end).section;
-  const std::vector<Lane>& side = on_left == at_end ? section.left : section.right;
-  return {side.begin() + static_cast<std::ptrdiff_t>(carriageway_lanes(side)), side.end()};
+  const CrossSection c = section_at(road, at_end);
+  const auto at = [&](std::size_t i) { return c.lanes.begin() + static_cast<std::ptrdiff_t>(i); };
+  const bool left = on_left == at_end;
+  std::vector<Lane> beside(at(left ? c.last : 0), at(left ? c.lanes.size() : c.first));
+  // A lane's inner border is that toward the centre lane, which may lie beyond.
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    const bool is_left = (left ? c.last : 0) + i >= c.rights;
+    if (is_left != left) std::swap(beside[i].inner_height_m, beside[i].outer_height_m);
+  }
+  if (!left) std::reverse(beside.begin(), beside.end());
+  return beside;
 }
 
 // Strips of one type go from one width to the other; what only one side has tapers away.
@@ -114,6 +144,16 @@ Result<Road> corner_road(std::string id, const std::vector<Segment>& corner, con
   return road;
 }
 
+// Puts the arm's origin from the reference line into the middle of a carriageway that lies to one side of it.
+void move_to_middle(JunctionArm& arm) {
+  const double n = 0.5 * (arm.left_m + arm.right_m);
+  arm.position_m = cut_point_m(arm, n);
+  arm.elevation_m = cut_height_m(arm, n);
+  arm.tilt += n > 0 ? -arm.crossfall_left : arm.crossfall_right;
+  arm.crossfall_left = arm.crossfall_right = 0;
+  arm.left_m -= n, arm.right_m -= n;
+}
+
 Road* find(Network& network, const std::string& id) {
   const auto at = std::find_if(network.roads.begin(), network.roads.end(), [&](const Road& r) { return r.id == id; });
   return at == network.roads.end() ? nullptr : &*at;
@@ -121,14 +161,15 @@ Road* find(Network& network, const std::string& id) {
 
 }  // namespace
 
-std::size_t carriageway_lanes(const std::vector<Lane>& side) {
-  return static_cast<std::size_t>(std::find_if(side.begin(), side.end(), is_beside) - side.begin());
+Carriageway carriageway_at(const Road& road, const Segment& segment, double local_s_m) {
+  const CrossSection c = cross_section(road, segment, local_s_m);
+  return {c.border_m[c.last], c.border_m[c.first]};
 }
 
 JunctionArm arm_of(const Road& road, bool at_end) {
   const Segment& segment = at_end ? road.segments.back() : road.segments.front();
   const double s = at_end ? segment.arc_m : 0, sign = at_end ? 1 : -1;
-  const EndSection end = section_at(road, at_end);
+  const Carriageway end = carriageway_at(road, segment, s);
   const double bank = segment.superelevation_rad.value(s);
   const Linear &left = at_end ? segment.crossfall_left : segment.crossfall_right,
                &right = at_end ? segment.crossfall_right : segment.crossfall_left;
@@ -145,6 +186,7 @@ JunctionArm arm_of(const Road& road, bool at_end) {
   arm.tilt = sign * std::tan(bank);
   arm.crossfall_left = left.value(s);
   arm.crossfall_right = right.value(s);
+  if (arm.left_m < 0 || arm.right_m > 0) move_to_middle(arm);
   return arm;
 }
 

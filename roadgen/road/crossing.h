@@ -13,9 +13,12 @@ struct RoadEnd {
   bool at_end = false;  // the road's end, otherwise its start
 };
 
-// How many lanes of a side, from the centre outward, are carriageway: it ends at the first kerb, sidewalk, verge or
-// raised lane.
-std::size_t carriageway_lanes(const std::vector<Lane>& side);
+// The edges of a road's carriageway, as t: the lanes about the reference line as far as the first kerb, sidewalk, verge or
+// raised lane; where these lie at the reference line itself, the widest lanes without one between them that are driven.
+struct Carriageway {
+  double left_m, right_m;
+};
+Carriageway carriageway_at(const Road& road, const Segment& segment, double local_s_m);
 
 // How a road's end meets a junction.
 JunctionArm arm_of(const Road& road, bool at_end);

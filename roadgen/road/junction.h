@@ -25,7 +25,8 @@ namespace roadgen {
 struct JunctionArm {
   std::string road;             // id
   bool at_end = false;          // the road's end touches the junction, otherwise its start
-  glm::dvec2 position_m{0, 0};  // of the reference line at the cut, ENU
+  // Of the reference line at the cut, or of any other line of the road between its carriageway's edges; ENU.
+  glm::dvec2 position_m{0, 0};
   double heading_rad = 0;       // into the junction, counter-clockwise from east
   double left_m = 3.5;          // lateral offset of the carriageway's left edge, >= 0
   double right_m = -3.5;        // and of its right edge, <= 0, less than left_m

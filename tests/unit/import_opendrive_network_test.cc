@@ -321,8 +321,8 @@ std::string link(const char* which, const std::string& id, const char* contact) 
 }
 std::string links(const std::string& inside) { return "<link>" + inside + "</link>"; }
 
-// Four roads that end 20 m from the middle of a crossing, and connecting roads straight on and around the corners.
-Foreign foreign_crossing(double raised_m = 0, bool turns = true) {
+// Four roads that end so far from the middle of a crossing, and connecting roads straight on and around the corners.
+Foreign foreign_crossing(double raised_m = 0, bool turns = true, double reach_m = 20) {
   Foreign file;
   file.junctions = "<junction id=\"5\" name=\"x\">";
   const auto connect = [&](int from, int to, double x, double y, double heading, double length,
@@ -337,12 +337,12 @@ Foreign foreign_crossing(double raised_m = 0, bool turns = true) {
   for (int i = 0; i < 4; ++i) {
     const double angle = i * M_PI / 2, heading = angle + M_PI;
     const glm::dvec2 out(std::cos(angle), std::sin(angle));
-    file.road(std::to_string(i), 70.0 * out, heading, 50, links(link("successor", "5", "")));
-    const glm::dvec2 cut = 20.0 * out;
-    if (i < 2) connect(i, i + 2, cut.x, cut.y, heading, 40, "<line/>", i == 1 ? raised_m : 0);
+    file.road(std::to_string(i), (reach_m + 50) * out, heading, 50, links(link("successor", "5", "")));
+    const glm::dvec2 cut = reach_m * out;
+    if (i < 2) connect(i, i + 2, cut.x, cut.y, heading, 2 * reach_m, "<line/>", i == 1 ? raised_m : 0);
     char arc[60];
-    std::snprintf(arc, sizeof arc, "<arc curvature=\"%.17g\"/>", -1 / 20.0);
-    if (turns) connect(i, (i + 1) % 4, cut.x, cut.y, heading, 10 * M_PI, arc, 0);
+    std::snprintf(arc, sizeof arc, "<arc curvature=\"%.17g\"/>", -1 / reach_m);
+    if (turns) connect(i, (i + 1) % 4, cut.x, cut.y, heading, 0.5 * M_PI * reach_m, arc, 0);
   }
   file.junctions += "</junction>\n";
   return file;
@@ -390,7 +390,7 @@ TEST(OpenDriveJunctions, RoadsStayWhereAnAreaWouldNotBeTheirs) {
   other.replace(other.find("<junction id"), 9, "<junction type=\"virtual\"");
   const Case cases[] = {
       {foreign_crossing(4).text(), "different heights"},
-      {foreign_crossing(0, false).text(), "leave much of the area free"},
+      {foreign_crossing(0, false, 50).text(), "leave much of the area free"},
       {lost.text(), "keeps its roads: the area's edges cross"},
       {empty.text(), "no connecting roads"},
       {other, "another type"},
