@@ -698,6 +698,7 @@ void main() {
   Sight whole = no_sight();
   Pixel pixel = no_pixel();
   Look looks[SPOTS];
+  for (int i = 0; i < SPOTS; ++i) looks[i] = Look(vec3(0.0), vec2(0.0), FrameLight(vec3(0.0), vec3(0.0), 0.0));
   int parts = 0;
   int hidden = 0;
   for (int i = -1; i < parts; ++i) {

@@ -41,14 +41,14 @@ out vec3 linear;           // alpha, beta, gamma: linear in x and y, so the rast
 struct Room {
   float pixel;   // its size there, m
   // For the antialiased edge: ROOM pixels, as seen at their slant. A pixel that the edge cuts has its centre within 0.71
-  // of it, and its samples within 0.36 more.
+  // of it, and its samples within 0.36 more; the rest is for the slant, which is that of the corners.
   float beside;
   // Neighbours overlap by a hair, so rounding leaves no crack; for the picture by most of a pixel: whoever holds its
   // centre covers all of its samples. Open ends have an antialiased edge.
   float beyond;
   bool folds;    // the surface may have a silhouette other than its edges, or hold less than it needs beside it
 };
-#define ROOM 1.1
+#define ROOM 1.5
 
 // bend: how much steeper than the chord the surface may be anywhere.
 Room room_at(vec3 start, float rise, float bend, bool at_end, bool at_left) {
@@ -145,6 +145,10 @@ void main() {
   // shows in part, need the box to be higher; where there is none, all that meet the surface do so within its range, but
   // for rounding.
   room.beyond = min(room.beyond, 2.0 * room.pixel / chord);
+#ifdef DETAILED
+  // Raised lanes end in the air.
+  room.folds = true;
+#endif
   float lift = room.folds || (in_ids.w & 3u) != 0u ? ROOM * room.pixel : 0.002 + 0.05 * room.pixel;
   box = in_box + vec4(-room.beside, room.beside, -lift, lift);
 #else
