@@ -34,9 +34,9 @@ struct Road {
   bool closed = false;            // the last segment ends at the first one's start
   bool joined_start = false;      // what lies before the start, a junction or a road, joins it without an edge
   bool joined_end = false;        // and beyond the end
-  RoadLink predecessor;           // what lies before the start; nothing where the road is closed
-  RoadLink successor;             // and beyond the end
-  std::string junction;           // id of the junction that the road leads through, or empty
+  RoadLink predecessor = {};      // what lies before the start; nothing where the road is closed
+  RoadLink successor = {};        // and beyond the end
+  std::string junction = {};      // id of the junction that the road leads through, or empty
   std::vector<Segment> segments;  // s_start_m increasing from 0
   // The cross sections, s_m increasing from 0, each from the start of a segment on. Never empty where there are
   // segments: set_sections or two_lane_sections.
