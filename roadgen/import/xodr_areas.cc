@@ -188,7 +188,14 @@ void add_areas(XodrSource& source, const std::vector<XodrJunction>& junctions, N
     const auto meeting = all.find(junction.links.id);
     const std::string why =
         meeting == all.end() ? "no roads meet in it" : roads_kept_why(network, ids, junction.links.id, meeting->second);
-    if (!why.empty()) source.note(junction.line, "a junction keeps its roads: " + why);
+    if (!why.empty()) {
+      source.note(junction.line, "a junction keeps its roads: " + why);
+      continue;
+    }
+    const auto painted = [&](std::size_t way) { return !network.roads[way].paint.empty(); };
+    if (std::any_of(meeting->second.ways.begin(), meeting->second.ways.end(), painted)) {
+      source.note(junction.line, "paint of roads that lie in a junction's area is not drawn");
+    }
   }
 }
 

@@ -10,6 +10,8 @@
 
 #include <glm/packing.hpp>
 
+#include "roadgen/road/crossing.h"
+
 namespace roadgen {
 namespace {
 
@@ -202,7 +204,8 @@ RoadScene road_scene(const Network& network) {
   std::vector<std::vector<PlacedSection>> sections(network.roads.size());
   std::vector<PlacedSegment> all;
   all.reserve(network.segment_count());
-  const std::vector<bool> in_area = roads_in_areas(network);
+  // Strips on the rim of a junction's area have their depth as it has, the nearest within a pixel.
+  const std::vector<bool> in_area = roads_in_areas(network), on_rim = corner_roads(network);
   for (std::size_t i = 0; i < network.roads.size(); ++i) {
     const Road& road = network.roads[i];
     if (in_area[i]) continue;  // the area is drawn
@@ -219,7 +222,7 @@ RoadScene road_scene(const Network& network) {
                                                     (j + 1 == road.segments.size() && !road.joined_end ? kOpenEnd : 0u);
       const Cubic::Range deviation = planar_deviation_m(segment);
       all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment), segment.elevation_m.c0,
-                     std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
+                     !on_rim[i] && std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
     }
   }
   // By tile; within a tile from low to high, so that a bridge's antialiased edge fades over the road below it.

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string_view>
 
 namespace roadgen {
 namespace {
 
 // Pieces of a corner's strips turn by at most this, so that strips as wide as the corner's radius stay certified.
 constexpr double kGreatestTurn_rad = 10 * std::numbers::pi / 180;
+constexpr const char* kCorner = ".corner.";
 // The junction's area reaches this far under the strips along its corners.
 constexpr double kUnderlap_m = 0.1;
 
@@ -161,6 +164,17 @@ Road* find(Network& network, const std::string& id) {
 
 }  // namespace
 
+std::vector<bool> corner_roads(const Network& network) {
+  std::set<std::string_view> areas;
+  for (const Junction& junction : network.junctions) areas.insert(junction.id);
+  std::vector<bool> corners;
+  for (const Road& road : network.roads) {
+    const std::size_t at = road.id.rfind(kCorner);
+    corners.push_back(at != road.id.npos && areas.contains(std::string_view(road.id).substr(0, at)));
+  }
+  return corners;
+}
+
 Carriageway carriageway_at(const Road& road, const Segment& segment, double local_s_m) {
   const CrossSection c = cross_section(road, segment, local_s_m);
   return {c.border_m[c.last], c.border_m[c.first]};
@@ -213,7 +227,7 @@ Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>
     const std::vector<Lane> beside_to = strips(*find(network, to.road), to.at_end, true);
     if (beside_from.empty() && beside_to.empty()) continue;
     Result<Road> road =
-        corner_road(id + ".corner." + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
+        corner_road(id + kCorner + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
     if (!road) return road.error();
     corners.push_back(std::move(*road));
   }

@@ -8,6 +8,10 @@
 
 namespace roadgen {
 
+// For every road of the network whether add_crossing made it for the corner of a junction that has an area. Cost:
+// O(n log n).
+std::vector<bool> corner_roads(const Network& network);
+
 struct RoadEnd {
   std::string road;     // id
   bool at_end = false;  // the road's end, otherwise its start

@@ -8,6 +8,8 @@
 #include "roadgen/export/opendrive.h"
 #include "roadgen/fit/catmull_rom.h"
 #include "roadgen/import/opendrive.h"
+#include "roadgen/query/road_index.h"
+#include "roadgen/render/road_instance.h"
 #include "roadgen/road/crossing.h"
 #include "roadgen/road/sweep_piece.h"
 
@@ -374,6 +376,24 @@ TEST(OpenDriveJunctions, AForeignCrossingBecomesOneArea) {
   // And from our own file it comes back without being laid anew.
   Network back = parsed(written(network));
   expect_same(network, back);
+}
+
+TEST(OpenDriveJunctions, RoadsInAnAreaAreNeitherDrawnNorDrivenOn) {
+  const Network network = parsed(foreign_crossing().text());
+  std::size_t outside = 0, drawn = 0;
+  for (const Road& road : network.roads) outside += road.junction.empty() ? road.segments.size() : 0;
+  const RoadScene scene = road_scene(network);
+  for (const auto& instances : scene.instances) drawn += instances.size();
+  EXPECT_EQ(drawn, outside);
+  const RoadIndex index(network);
+  EXPECT_EQ(index.size(), outside);
+  const auto middle = index.to_road(glm::dvec3(1, 1, 0.5), 1);
+  ASSERT_TRUE(middle);
+  EXPECT_EQ(middle->junction, 0);
+  EXPECT_NEAR(middle->height_m, 0.5, 1e-9);
+  // For routes they are still there.
+  ASSERT_TRUE(network.find_road("c02"));
+  EXPECT_LT(glm::length(pose_at(*network.find_road("c02"), 20, 0).position_m), 1e-9);
 }
 
 TEST(OpenDriveJunctions, RoadsStayWhereAnAreaWouldNotBeTheirs) {
