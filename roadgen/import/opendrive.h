@@ -9,8 +9,8 @@
 //   of the file kept to kPlanArcTolerance_m a segment. Records within 2 mm of a joint are moved to it. Broken lines begin
 //   anew with each section.
 // * Objects and signals that are stop lines, crosswalks or arrows; guard rails and tunnels (xodr_sweeps.h).
-// * Links of roads and lanes; ends that are linked and meet are joined. The origin in <geoReference> (+proj=ortho) or in
-//   userData "roadgen:origin".
+// * Links of roads and lanes; ends that are linked and meet are joined. The origin in <geoReference> (+proj=ortho) or
+//   in userData "roadgen:origin".
 // * Junctions, as nodes of the road graph and as areas: where the connecting roads of a crossing make one carriageway
 //   with its arms, the area is laid between the ends of the arms (add_crossing) and takes their place in pictures and
 //   queries (roads_in_areas); elsewhere a note says why the connecting roads stay (xodr_areas.h).

@@ -1,4 +1,4 @@
-// Areas of OpenDRIVE junctions: our own file's as they were; elsewhere laid between the ends of the roads that meet there.
+// Areas of OpenDRIVE junctions: our own file's as they were; elsewhere laid between the ends of the roads that meet.
 // Internal to roadgen/import.
 #pragma once
 

@@ -11,6 +11,8 @@ namespace {
 
 // Pieces of a corner's strips turn by at most this, so that strips as wide as the corner's radius stay certified.
 constexpr double kGreatestTurn_rad = 10 * std::numbers::pi / 180;
+// Of the radius of a bend, how far strips on its inside may reach: the mapping is certified short of the centre only.
+constexpr double kPartOfRadius = 0.9;
 constexpr const char* kCorner = ".corner.";
 // The junction's area reaches this far under the strips along its corners.
 constexpr double kUnderlap_m = 0.1;
@@ -124,6 +126,44 @@ std::vector<Segment> fine_pieces(const std::vector<Segment>& corner, double widt
   return pieces;
 }
 
+// Greatest width of the strips at every joint of the corner's pieces, the ends included: in a bend to the right they reach
+// no farther than shortly before its centre, where the cuts of both arms meet.
+std::vector<double> room_m(const std::vector<Segment>& pieces) {
+  std::vector<double> room(pieces.size() + 1, 1e300);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    double most = 0;
+    for (int k = 0; k <= 8; ++k) most = std::max(most, -curvature_per_m(pieces[i], k / 8.0));
+    if (most > 0) room[i] = std::min(room[i], kPartOfRadius / most), room[i + 1] = kPartOfRadius / most;
+  }
+  return room;
+}
+
+// The strips' section, or one for every piece where the corner has not room for all their width.
+std::vector<LaneSection> corner_sections(const std::vector<Segment>& pieces, const std::vector<Lane>& strips) {
+  const std::vector<double> room = room_m(pieces);
+  const auto part = [&](std::size_t joint) {
+    const double s = joint < pieces.size() ? pieces[joint].s_start_m : pieces.back().s_start_m + pieces.back().arc_m;
+    double width = 0;
+    for (const Lane& lane : strips) width += lane.width_m.value(s);
+    return std::min(1.0, room[joint] / std::max(width, 1e-9));
+  };
+  bool fits = true;
+  for (std::size_t i = 0; i <= pieces.size(); ++i) fits = fits && part(i) == 1;
+  std::vector<LaneSection> sections(fits ? 1 : pieces.size());
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    sections[i].right = strips;
+    if (fits) break;
+    sections[i].s_m = pieces[i].s_start_m;
+    for (Lane& lane : sections[i].right) {
+      const Cubic whole = lane.width_m.shifted(pieces[i].s_start_m);
+      lane.width_m =
+          Cubic::hermite(part(i) * whole.value(0), part(i) * whole.slope(0), part(i + 1) * whole.value(pieces[i].arc_m),
+                         part(i + 1) * whole.slope(pieces[i].arc_m), pieces[i].arc_m);
+    }
+  }
+  return sections;
+}
+
 Result<Road> corner_road(std::string id, const std::vector<Segment>& corner, const JunctionArm& from,
                          const JunctionArm& to, const std::vector<Lane>& beside_from,
                          const std::vector<Lane>& beside_to) {
@@ -137,9 +177,8 @@ Result<Road> corner_road(std::string id, const std::vector<Segment>& corner, con
   road.joined_start = road.joined_end = true;
   road.segments = fine_pieces(corner, std::max(total(beside_from), total(beside_to)));
   chain_arc_lengths(road);
-  LaneSection section;
-  section.right = joined(beside_from, beside_to, road.length_m());
-  if (Status s = set_sections(road, {section}); !s) return s.error();
+  const std::vector<Lane> strips = joined(beside_from, beside_to, road.length_m());
+  if (Status s = set_sections(road, corner_sections(road.segments, strips)); !s) return s.error();
   // The slope across goes on from the one arm and into the other, which is seen against its direction.
   const Cubic bank = Cubic::hermite(std::atan(from.tilt + from.crossfall_right), 0,
                                     std::atan(to.crossfall_left - to.tilt), 0, road.length_m());

@@ -17,8 +17,8 @@ struct RoadEnd {
   bool at_end = false;  // the road's end, otherwise its start
 };
 
-// The edges of a road's carriageway, as t: the lanes about the reference line as far as the first kerb, sidewalk, verge or
-// raised lane; where these lie at the reference line itself, the widest lanes without one between them that are driven.
+// The edges of a road's carriageway, as t: the lanes about the reference line as far as the first kerb, sidewalk, verge
+// or raised lane; where these lie at the reference line itself, the widest lanes without one between them that are driven.
 struct Carriageway {
   double left_m, right_m;
 };
@@ -29,7 +29,8 @@ JunctionArm arm_of(const Road& road, bool at_end);
 
 // Adds to the network the junction `id` that the given ends of its roads form, and for every corner beside which both
 // arms have kerbs, sidewalks or verges a road "ID.corner.N" that carries them around: strips of one type are joined,
-// others taper away. Ends in the junction are marked as joined, so markings and surfaces end at its cut, and linked to it.
+// others taper away. Ends in the junction are marked as joined, so markings and surfaces end at its cut, and linked to
+// it.
 // Diagnostics: as make_junction. Errors: as make_junction; kGeometry for an end of a road that the network lacks or that
 // is closed. The network is unchanged then.
 Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends,

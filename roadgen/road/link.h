@@ -43,8 +43,8 @@ struct JunctionLinks {
 };
 
 // Links to roads and junctions that the network lacks, links that the other side does not return, and connections of
-// roads that do not lie in the junction; "road R: its end is linked to the start of road Q, which is linked to nothing".
-// Cost: O(n log n).
+// roads that do not lie in the junction: "road R: its end is linked to the start of road Q, which is linked to
+// nothing". Cost: O(n log n).
 std::vector<std::string> link_problems(const Network& network);
 
 // For every road of the network whether it lies in a junction that has an area: the area is what is drawn and driven

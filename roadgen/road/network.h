@@ -146,9 +146,9 @@ struct OddValues {
 // Cost: O(segments log segments).
 OddValues odd_values(const Road& road);
 
-// The above for every road, the problems() of junctions and sweeps, the link_problems(), and what roadgen promises of every road. Limits: position
-// 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bounds kMappingTolerance of the half width,
-// elevation gap 1e-6 m, widths positive, numbers finite.
+// The above for every road, the problems() of junctions and sweeps, the link_problems(), and what roadgen promises of
+// every road. Limits: position 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bounds
+// kMappingTolerance of the half width, elevation gap 1e-6 m, widths positive, numbers finite.
 CheckReport check(const Network& network);
 
 }  // namespace roadgen

@@ -1,5 +1,5 @@
-// Junctions and structures through the file: the town of the demo, drawn from its OpenDRIVE file, is the same picture as
-// the town in memory; info counts them, check finds nothing wrong. And other programs' maps, where they are at hand.
+// Junctions and structures through the file: the town of the demo, drawn from its OpenDRIVE file, is the same picture
+// as the town in memory; info counts them, check finds nothing wrong. And other programs' maps, where they are at hand.
 #include <gtest/gtest.h>
 
 #include <filesystem>

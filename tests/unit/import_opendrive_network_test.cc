@@ -419,13 +419,13 @@ TEST(OpenDriveJunctions, RoadsStayWhereAnAreaWouldNotBeTheirs) {
     Diagnostics diagnostics;
     const Network network = parsed(c.text, &diagnostics);
     EXPECT_TRUE(network.junctions.empty()) << c.says;
-    ASSERT_EQ(diagnostics.size(), 1u) << c.says << diagnostics.back().text();
+    ASSERT_EQ(diagnostics.size(), 1u) << c.says;
     EXPECT_NE(diagnostics[0].message.find(c.says), std::string::npos) << diagnostics[0].text();
     EXPECT_EQ(diagnostics[0].element, "junction 5");
     // Written and read, it still has none, and nothing is asked twice.
     Diagnostics again;
     expect_same(network, parsed(written(network), &again));
-    EXPECT_TRUE(again.empty()) << again.front().text();
+    for (const Diagnostic& d : again) ADD_FAILURE() << d.text();
   }
 }
 
@@ -434,12 +434,13 @@ TEST(OpenDriveLinks, LinkedEndsThatMeetAreJoined) {
   file.road("a", {0, 0}, 0, 50, links(link("successor", "b", "start")));
   file.road("b", {50, 0}, 0, 50, links(link("predecessor", "a", "end") + link("successor", "c", "end")));
   file.road("c", {150, 0.02}, M_PI, 50, links(link("successor", "b", "end")));  // 2 cm aside
-  file.road("d", {0, 9}, 0, 50);
+  file.road("d", {0, 9}, 0, 50, links(link("successor", "e", "start")));
+  file.road("e", {50, 9}, 0, 50, links(link("predecessor", "d", "end")), "-1", "<line/>", 0.02);  // 2 cm above
   Diagnostics diagnostics;
   const Network network = parsed(file.text(), &diagnostics);
   for (const Diagnostic& d : diagnostics) ADD_FAILURE() << d.text();
-  const bool start[] = {false, true, false, false}, end[] = {true, false, false, false};
-  for (std::size_t i = 0; i < 4; ++i) {
+  const bool start[] = {false, true, false, false, false}, end[] = {true, false, false, false, false};
+  for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(network.roads[i].joined_start, start[i]) << i;
     EXPECT_EQ(network.roads[i].joined_end, end[i]) << i;
   }
@@ -491,7 +492,8 @@ TEST(OpenDriveStructures, ForeignTunnelsAndGuardRailsAreRead) {
 <repeat s="50" length="40" distance="4"/></object>
 <object id="2" type="barrier" subtype="guardRail" s="20" t="4" hdg="3.14159" length="10" width="0.1" height="0.1"/>
 <object id="3" type="barrier" name="Wall" s="20" t="8"/><object id="4" type="barrier" name="Wall" s="30" t="8"/>
-<tunnel id="5" s="60" length="30" name="t" type="standard" lighting="0.5" daylight="0.5"/><bridge id="6" s="0" length="5"/>)",
+<tunnel id="5" s="60" length="30" name="t" type="standard" lighting="0.5" daylight="0.5"/>
+<bridge id="6" s="0" length="5"/>)",
       &diagnostics);
   const std::vector<Sweep>& sweeps = network.roads[0].sweeps;
   ASSERT_EQ(sweeps.size(), 4u);

@@ -114,6 +114,34 @@ TEST(Crossing, QueryAndGroundKnowTheArea) {
   EXPECT_NEAR(point->height_m, 0, 1e-4);
 }
 
+// Sidewalks wider than the corners' radius narrow around them, where both cuts meet, and are whole at the arms with room.
+TEST(Crossing, StripsThatACornerHasNoRoomForNarrow) {
+  Network network = crossing();
+  network.junctions.clear();
+  network.roads.resize(4);
+  for (Road& road : network.roads) {
+    LaneSection section = road.sections[0];
+    for (auto* side : {&section.left, &section.right}) {
+      if (side->back().type == LaneType::kSidewalk) side->back().width_m = {4};
+    }
+    ASSERT_TRUE(set_sections(road, {section}).ok());
+  }
+  ASSERT_TRUE(add_crossing(network, "K", {{"0"}, {"1"}, {"2"}, {"3"}}, {.corner_radius_m = 2.5}).ok());
+  for (const std::string& problem : check(network).problems) ADD_FAILURE() << problem;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& arms = network.junctions[0].arms;
+    if (arms[i].road == "2" || arms[(i + 1) % 4].road == "2") continue;  // without sidewalks
+    const Road& corner = *network.find_road("K.corner." + std::to_string(i));
+    double narrowest = 1e300;
+    for (const Segment& s : corner.segments) narrowest = std::min(narrowest, -s.right_m.value(0));
+    // A cubic that turns by 30 degrees bends by up to 3.5 % more than its circle.
+    EXPECT_LT(narrowest, 0.9 * 2.5);
+    EXPECT_GT(narrowest, 0.9 * 2.5 / 1.036);
+    EXPECT_NEAR(corner.segments.front().right_m.value(0), -4, 1e-9);
+    EXPECT_NEAR(corner.segments.back().right_m.value(corner.segments.back().arc_m), -4, 1e-9);
+  }
+}
+
 // A one-way road whose lanes all lie right of its reference line, a sidewalk first: the arm's origin is in the middle
 // of the lanes, and its cut lies on the road's surface.
 TEST(Crossing, ACarriagewayBesideTheReferenceLineIsAnArm) {
