@@ -170,6 +170,11 @@ bool comes_over(RoadSurface r, RoadHit start, float back_k, vec3 toward) {
          t < section_border(ids.y, int(section_row(ids.y).x) - 1, height.w);
 }
 
+// Is the ray, where it comes over the joint at `start`, less than a pixel and a half below the surface?
+bool just_under(Ray ray, RoadHit start, float above, float pixel) {
+  return above < 0.0 && above > -1.5 * pixel * (ray.reach + start.k) && ray.k.x > ray.wide.x;
+}
+
 // Where the ray meets the surface raised by lift; beyond: also over the joints.
 Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   vec3 from = ray.from - vec3(0.0, 0.0, lift);
@@ -187,13 +192,11 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   bool crest = false;
   float before;
   float before_climb;
-  RoadHit start = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, r, before, before_climb);
-  float side = before < 0.0 ? -1.0 : 1.0;
   float pixel = right.w * (abs(right.z) + abs(up.z));
-  if (before < 0.0 && before > -1.5 * pixel * (ray.reach + start.k) && ray.k.x > ray.wide.x) {
-    buried = comes_over(r, start, max(before / before_climb, 0.0), toward);
-  }
   if (!on) {
+    RoadHit start = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, r, before, before_climb);
+    float side = before < 0.0 ? -1.0 : 1.0;
+    if (just_under(ray, start, before, pixel)) buried = comes_over(r, start, max(before / before_climb, 0.0), toward);
     float last;
     float last_climb;
     RoadHit end = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.y, r, last, last_climb);
@@ -228,6 +231,11 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   // The place along the ray is known to within the tolerance of the height: neighbours overlap by that.
   float slack = min(tolerance / max(toward_it, 1e-4), 1.0);
   bool within = on && hit.k >= ray.k.x - slack && hit.k <= ray.k.y + slack;
+  // A ray that meets the surface from above within the segment has come from above it.
+  if (on && (hit.k <= ray.k.x || dot(spot.normal, ray.along) > 0.0)) {
+    RoadHit start = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, r, before, before_climb);
+    if (just_under(ray, start, before, pixel)) buried = comes_over(r, start, max(before / before_climb, 0.0), toward);
+  }
 #ifndef CHANNELS
   if (within && toward_it < 0.1) {
     // Does the surface bend away from the ray before the ray is a pixel deep, or within a pixel at its sides?
@@ -630,6 +638,15 @@ Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
 #endif
   sight.leaves = spots[0].approaches;
   sight.buried = spots[0].buried;
+#ifndef DETAILED
+  if (!spots[0].on) {
+    // A neighbour's, but for what parts of the pixel may see.
+#ifndef CHANNELS
+    if (spots[0].crest) sight.parts = division(spots[0]);
+#endif
+    return sight;
+  }
+#endif
 #else
   // Where the part's ray meets the segment's plane.
   vec3 plane = vec3(-road_cubic(r.arc, 0.0, r.z1, r.z2, r.z3) / r.chord * axis, 1.0);
