@@ -21,7 +21,7 @@ flat in vec4 superelevation;
 flat in vec4 crossfall;
 flat in vec4 box;
 flat in vec3 eye;
-flat in vec2 bends;
+flat in vec3 extent;
 in vec3 point;
 #else
 in vec2 chord_point;
@@ -105,7 +105,8 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, float s, vec3 position, vec2 si
   float df = road_df(c.u, r.a, r.b);
   vec2 tangent = normalize(axis + vec2(-axis.y, axis.x) * df);
   spot.left = vec2(-tangent.y, tangent.x);
-  float turn = road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5);
+  float stretch = 1.0 + df * df;
+  float turn = road_ddf(c.u, r.a, r.b) / (stretch * sqrt(stretch));
   float bend = max(1.0 - c.v * turn, 0.05);
   spot.turn = turn / r.chord;
   spot.normal = normalize(vec3(-slope.ahead / bend * tangent - slope.aside * spot.left, 1.0));
@@ -229,9 +230,8 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   vec2 k = vec2(ray.wide.x, min(ray.wide.y, part.last - ray.reach));
   // A thousandth of a pixel, or half a millimetre.
   float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
-  float limit = max(section_border(ids.y, int(section_row(ids.y).x) - 1, height.w), -section_border(ids.y, 0, height.w));
-  RoadSearch search = surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit,
-                                     LOOK_ABOUT && !part.beyond, ray.k.x, ray.k.y, r);
+  RoadSearch search = surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, extent.x,
+                                     extent.z, LOOK_ABOUT && !part.beyond, ray.k.x, ray.k.y, r);
   RoadHit hit = search.hit;
   float pixel = right.w * (abs(right.z) + abs(up.z));
 #ifdef CHANNELS
@@ -256,8 +256,8 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   within = within && !(climb > 0.0 && over);
   if (crest) {
     sink_below(spot, -hit.residual, ray.reach + hit.k, sign(search.above));
-  } else if (within && (toward_it * toward_it < 4.0 * pixel * (ray.reach + hit.k) * bends.x ||
-                        toward_it < bends.y)) {
+  } else if (within && (toward_it * toward_it < 4.0 * pixel * (ray.reach + hit.k) * extent.x ||
+                        toward_it < extent.y)) {
     float dn = dot(spot.left, along.xy);
     float ds = (along.x * spot.left.y - along.y * spot.left.x) / spot.bend;
     float side = climb < 0.0 ? 1.0 : -1.0;
@@ -736,9 +736,7 @@ Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
   // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
   // pixel keeps the ground below it out of all of them. Where the ray grazes the road, that is bounded: it must not come
   // before the road that hides it.
-  vec3 step_x = frame_footprint(spots[0].position, spots[0].normal, right.xyz) * part.size.x;
-  vec3 step_y = frame_footprint(spots[0].position, spots[0].normal, up.xyz) * part.size.y;
-  float spread = 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
+  float spread = 0.5 * (abs(spots[0].w_step.x) + abs(spots[0].w_step.y)) * dot(spots[0].position, forward.xyz);
   if (!from_below) pixel.depth -= min(spread, (1.0 - kNearer) * pixel.depth);
 #endif
   sight.pixel = pixel;
