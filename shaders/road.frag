@@ -254,35 +254,39 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   bool within = search.met && hit.k >= ray.k.x - slack && hit.k <= ray.k.y + slack;
 #ifndef CHANNELS
   within = within && !(climb > 0.0 && over);
+  // Within this over the bend the square of its slope to the surface, the silhouette is within two pixels.
+  float room = 4.0 * pixel * (ray.reach + hit.k);
   if (crest) {
     sink_below(spot, -hit.residual, ray.reach + hit.k, sign(search.above));
-  } else if (within && (toward_it * toward_it < 4.0 * pixel * (ray.reach + hit.k) * extent.x ||
-                        toward_it < extent.y)) {
+  } else if (within && (toward_it * toward_it < room * extent.x || toward_it < extent.y)) {
     float dn = dot(spot.left, along.xy);
     float ds = (along.x * spot.left.y - along.y * spot.left.x) / spot.bend;
     float side = climb < 0.0 ? 1.0 : -1.0;
-    // To where it would run level with the surface, with the bend half way there.
     float n = spot.t * spot.cosine;
     float bend = side * surface_bend(spot.s, n, spot.turn, ds, dn, r);
-    float onward = toward_it / max(bend, 1e-6);
-    bend = side * surface_bend(spot.s + 0.5 * ds * onward, n, spot.turn, ds, dn, r);
-    onward = toward_it / max(bend, 1e-6);
-    float deep = 0.5 * toward_it * onward;
-    // Crossfall to both sides makes a ridge of the reference line: there its slope relative to the surface changes.
-    float ridge = -n / (abs(dn) < 1e-6 ? 1e-6 : dn);
-    float fold = side * (r.left0 + r.right0 + (r.left1 + r.right1) * spot.s) * abs(dn);
-    if (ridge > 0.0 && ridge < onward && fold > 0.0) {
-      float rest = max(toward_it - bend * ridge - fold, 0.0);
-      onward = ridge + rest / max(bend, 1e-6);
-      deep = ridge * (toward_it - 0.5 * bend * ridge) + 0.5 * rest * (onward - ridge);
+    // Farther on it may bend more.
+    if (toward_it * toward_it < 2.0 * room * bend || toward_it < extent.y) {
+      // To where it would run level with the surface, with the bend half way there.
+      float onward = toward_it / max(bend, 1e-6);
+      bend = side * surface_bend(spot.s + 0.5 * ds * onward, n, spot.turn, ds, dn, r);
+      onward = toward_it / max(bend, 1e-6);
+      float deep = 0.5 * toward_it * onward;
+      // Crossfall to both sides makes a ridge of the reference line: there its slope relative to the surface changes.
+      float ridge = -n / (abs(dn) < 1e-6 ? 1e-6 : dn);
+      float fold = side * (r.left0 + r.right0 + (r.left1 + r.right1) * spot.s) * abs(dn);
+      if (ridge > 0.0 && ridge < onward && fold > 0.0) {
+        float rest = max(toward_it - bend * ridge - fold, 0.0);
+        onward = ridge + rest / max(bend, 1e-6);
+        deep = ridge * (toward_it - 0.5 * bend * ridge) + 0.5 * rest * (onward - ridge);
+      }
+      int last = int(section_row(ids.y).x) - 1;
+      float away = min(abs(spot.t - section_border(ids.y, 0, height.w + spot.s)),
+                       abs(spot.t - section_border(ids.y, last, height.w + spot.s)));
+      float step = abs(spot.t_step.x) + abs(spot.t_step.y);
+      spot.rough = (away < 1.5 * step && toward_it * toward_it < room * abs(bend)) ||
+                   (abs(spot.t) < step && abs(fold) > 0.3 * toward_it);
+      sink_below(spot, deep, ray.reach + hit.k + onward, side);
     }
-    int last = int(section_row(ids.y).x) - 1;
-    float away = min(abs(spot.t - section_border(ids.y, 0, height.w + spot.s)),
-                     abs(spot.t - section_border(ids.y, last, height.w + spot.s)));
-    float step = abs(spot.t_step.x) + abs(spot.t_step.y);
-    spot.rough = (away < 1.5 * step && toward_it * toward_it < 4.0 * pixel * (ray.reach + hit.k) * abs(bend)) ||
-                 (abs(spot.t) < step && abs(fold) > 0.3 * toward_it);
-    sink_below(spot, deep, ray.reach + hit.k + onward, side);
   }
 #endif
   spot.beyond = part.beyond;

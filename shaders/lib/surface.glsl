@@ -121,14 +121,26 @@ struct RoadHit {
   float ds;
 };
 
-// Where the ray (x, y, z) + k (dx, dy, dz) meets the plane through the segment's chord: where to begin.
-FN float surface_chord_plane(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
-                             IN(RoadSurface) r) {
+// Where the ray (x, y, z) + k (dx, dy, dz) nearly meets the surface, to begin with: from the plane through the chord, two
+// Newton steps on what a straight road with a parabola's height and its crossfall would have.
+FN float surface_begin(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
+                       IN(RoadSurface) r) {
   float rise = road_cubic(r.arc, float(0.0), r.z1, r.z2, r.z3);
+  float bulge = 4.0 * (road_cubic(0.5 * r.arc, float(0.0), r.z1, r.z2, r.z3) - 0.5 * rise);
   float tilt = road_cubic(0.5 * r.arc, r.e0, r.e1, r.e2, r.e3) * r.chord;
   float approach = dz - rise * dx - tilt * dy;
   approach = abs(approach) < 1e-6 ? float(-1e-6) : approach;
-  return (rise * x + tilt * y - z) / approach;
+  float k = (rise * x + tilt * y - z) / approach;
+  for (int i = 0; i < 2; ++i) {
+    float px = x + k * dx;
+    float py = y + k * dy;
+    float u = clamp(px, float(0.0), float(1.0));
+    float fall = (py > 0.0 ? r.left0 : -r.right0) * r.chord;
+    float above = z + k * dz - rise * px - (tilt - fall) * py - bulge * u * (1.0 - u);
+    float climb = approach + fall * dy - bulge * (1.0 - 2.0 * u) * dx;
+    if (abs(climb) > 0.02) k = k - above / climb;
+  }
+  return k;
 }
 
 // Where surface_step begins if nothing better is known: equation 3 and a Newton step on equation 1.
@@ -179,8 +191,8 @@ struct RoadSearch {
   float over_v;  // v where it would have met the surface before, by those
 };
 
-// What the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], does, whatever the ray: Newton from the plane through
-// the chord, at once on k and on u, to a residual of a fiftieth of tolerance, the last step taken along the tangents (bend:
+// What the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], does, whatever the ray: Newton from
+// surface_begin, at once on k and on u, to a residual of a fiftieth of tolerance, the last step taken along the tangents (bend:
 // a bound of |surface_bend|, which tells how far they serve); where that strays, since the ray runs nearly along the surface,
 // again from within a short interval that halving finds; where such a ray misses, or meets the surface farther than
 // limit (m) from the reference line, from the far end, since it may meet it twice; and where it comes out of the surface
@@ -198,7 +210,7 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
   search.above = search.before = search.climb = search.over_v = float(0.0);
   float low = k_low;
   float high = k_high;
-  float k = surface_chord_plane(x, y, z, dx, dy, dz, r);
+  float k = surface_begin(x, y, z, dx, dy, dz, r);
   bool along = abs(dz - road_cubic(r.arc, float(0.0), r.z1, r.z2, r.z3) * dx) < 0.03;
   float none = float(0.0);
   RoadHit hit = RoadHit(k, none, none, none, none, none, none, none, none, none);

@@ -166,8 +166,8 @@ void corner_inputs(Random& random, double* x) {
 // Limits: about twice what llvmpipe measures.
 const FunctionCase kCases[] = {
     {"surface_height", Height, height_inputs, 1.7e-6},
-    {"surface_search", Intersect, ray_inputs, 9.7e-6,
-     43},  // stops at 2e-6 m of z, of metres; over the sine of what banks leave of 25 degrees
+    {"surface_search", Intersect, ray_inputs, 2.4e-6,
+     9},  // rounding of metres of z, over the sine of what banks leave of 25 degrees
     {"filter_step", Step, uniform_inputs({{-2, 2}, {-1, 1}, {-1, 1}}), 1e-5, 64},       // divides by 0.02
     {"marking_dash", Dash, uniform_inputs({{0, 40}, {0.02, 20}, {0.02, 20}}), 3.1e-4},  // by 2 cm of 40 m
     {"marking_border", Border, uniform_inputs({{-1, 1}, {0, 40}, {-0.2, 0.2}, {-0.2, 0.2}, {-2, 2}, {-2, 2}}), 1e-3,
