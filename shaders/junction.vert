@@ -17,8 +17,6 @@ void main() {
   float margin = clamp(2.0 * right.w * length(center), 0.02, 2.0) + header.phase.z;
   low = header.low.xyz - margin;
   high = header.high.xyz + margin;
-  // A closed box from one strip of 14 vertices.
-  uint bit = 1u << uint(gl_VertexID);
-  point = mix(low, high, bvec3((0x287au & bit) != 0u, (0x02afu & bit) != 0u, (0x31e3u & bit) != 0u));
+  point = mix(low, high, bvec3((gl_VertexID & 2) != 0, (gl_VertexID & 1) != 0, (gl_VertexID & 4) != 0));
   gl_Position = clip_from_relative * vec4(center + point, 1.0);
 }

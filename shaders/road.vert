@@ -111,6 +111,9 @@ bool beyond_far(vec3 start, float rise) {
 
 void main() {
   precise vec3 start = (tiles[2u * in_tile].xyz - eye_high.xyz) + (tiles[2u * in_tile + 1u].xyz - eye_low.xyz) + in_start;
+  float rise = road_cubic(in_arc.x, 0.0, in_height.x, in_height.y, in_height.z);
+  // What lies beyond the far plane has no area.
+  gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
   float chord = length(in_shape.xy);
   float a = in_shape.z;
   float b = in_shape.w;
@@ -120,18 +123,10 @@ void main() {
   height = vec4(in_height.xyz, in_section_s);
   ids = in_ids;
 
-  float rise = road_cubic(in_arc.x, 0.0, in_height.x, in_height.y, in_height.z);
-#ifdef RELIEF
-  // A closed box from one strip of 14 vertices.
-  uint bit = 1u << uint(gl_VertexID);
-  bool at_end = (0x287au & bit) != 0u;
-  bool at_left = (0x02afu & bit) != 0u;
-  bool at_top = (0x31e3u & bit) != 0u;
-#else
-  bool at_end = gl_VertexID >= 2;
   bool at_left = (gl_VertexID & 1) != 0;
-#endif
+  bool at_end = (gl_VertexID & 2) != 0;
 #ifdef RELIEF
+  bool at_top = (gl_VertexID & 4) != 0;
   vec2 left = unpackHalf2x16(in_crossfall.x);
   vec2 right_fall = unpackHalf2x16(in_crossfall.y);
   // The whole box has the widest of its corners'.
@@ -179,6 +174,5 @@ void main() {
   linear = vec3(road_alpha(y, a, b), road_beta(y, a, b), road_gamma(x, y, a));
 #endif
   relative = start + vec3(axis * local.x + vec2(-axis.y, axis.x) * local.y, local.z);
-  // What lies beyond the far plane has no area.
   gl_Position = beyond_far(start, rise) ? vec4(0.0, 0.0, 0.0, 1.0) : clip_from_relative * vec4(relative, 1.0);
 }

@@ -24,11 +24,9 @@ void main() {
   float middle_m = length(start + 0.5 * vec3(sweep.shape.xy, 0.0));
   float margin = clamp(2.0 * right.w * middle_m, 0.02, 2.0);
   float pad = margin + (sweep.posts.z > 0.0 ? max(sweep.posts.w, sweep.post.x) : 0.0);
-  // A closed box from one strip of 14 vertices.
-  uint bit = 1u << uint(gl_VertexID);
-  bool at_end = (0x287au & bit) != 0u;
-  bool at_left = (0x02afu & bit) != 0u;
-  bool at_top = (0x31e3u & bit) != 0u;
+  bool at_left = (gl_VertexID & 1) != 0;
+  bool at_end = (gl_VertexID & 2) != 0;
+  bool at_top = (gl_VertexID & 4) != 0;
   float y = at_left ? sweep.box.y + margin : sweep.box.x - margin;
   float z = at_top ? sweep.box.w + margin : sweep.box.z - margin;
   float u = at_end ? sweep.place.w : sweep.place.z;

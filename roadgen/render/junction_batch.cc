@@ -74,6 +74,7 @@ void JunctionBatch::upload(const Network& network) {
     }
   }
   vertex_array_ = gl::VertexArray::create();
+  bind_strips(vertex_array_, elements_);
   headers_ = buffer(headers);
   cuts_ = buffer(cuts);
   corners_ = buffer(corners);
@@ -84,7 +85,7 @@ void JunctionBatch::draw() const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCuts, cuts_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kCorners, corners_.id());
   glBindVertexArray(vertex_array_.id());
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, count_);
+  draw_boxes(count_);
 }
 
 }  // namespace roadgen

@@ -1,7 +1,7 @@
 // Internal, not installed: the junctions of a network on the GPU, drawn in one call.
 #pragma once
 
-#include "roadgen/render/gl.h"
+#include "roadgen/render/box_strip.h"
 #include "roadgen/road/network.h"
 
 namespace roadgen {
@@ -18,7 +18,7 @@ class JunctionBatch {
 
  private:
   gl::VertexArray vertex_array_;
-  gl::Buffer headers_, cuts_, corners_;
+  gl::Buffer elements_, headers_, cuts_, corners_;
   GLsizei count_ = 0;
 };
 

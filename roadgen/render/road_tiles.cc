@@ -76,6 +76,7 @@ RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
     pool_ = gl::Buffer::with_data(static_cast<GLsizeiptr>(slot_count * kPageBytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
     glVertexArrayVertexBuffer(vertex_array_.id(), 0, pool_.id(), 0, sizeof(RoadInstance));
   }
+  bind_strips(vertex_array_, elements_);
   statistics_.tiles = scene_.tiles.size();
   statistics_.instance_bytes = statistics_.segments * sizeof(RoadInstance);
   statistics_.pool_bytes = slot_count * kPageBytes;
@@ -108,7 +109,7 @@ void RoadTiles::draw(const TileView& view, bool cull, const std::array<Program, 
     programs[kind].use();
     for (const std::uint32_t i : visible_) {
       const RoadTile::Range range = scene_.tiles[i].ranges[kind];
-      add(scene_.instances[kind], first_page_[kind], range.first, range.count, is_box ? 14 : 4);
+      add(scene_.instances[kind], first_page_[kind], range.first, range.count, is_box ? kBoxStrip : kQuadStrip);
     }
     flush();
     glDisable(GL_CULL_FACE);
@@ -116,14 +117,14 @@ void RoadTiles::draw(const TileView& view, bool cull, const std::array<Program, 
 }
 
 void RoadTiles::add(std::span<const RoadInstance> data, std::uint32_t first_page, std::uint32_t first,
-                    std::uint32_t count, std::uint32_t vertices) {
+                    std::uint32_t count, ElementRange strip) {
   statistics_.drawn_segments += count;
   while (count > 0) {
     const std::uint32_t in_data = first / kPageSegments, in_page = first % kPageSegments;
     const std::uint32_t here = std::min(count, kPageSegments - in_page);
     const auto page = data.subspan(std::size_t{in_data} * kPageSegments);
     const std::uint32_t at = place(first_page + in_data, page.first(std::min<std::size_t>(page.size(), kPageSegments)));
-    pending_.push_back({vertices, here, 0, at * kPageSegments + in_page});
+    pending_.push_back({strip.count, here, strip.first, 0, at * kPageSegments + in_page});
     first += here;
     count -= here;
   }
@@ -154,7 +155,7 @@ void RoadTiles::flush() {
   glNamedBufferData(commands_.id(), static_cast<GLsizeiptr>(pending_.size() * sizeof pending_[0]), pending_.data(),
                     GL_STREAM_DRAW);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.id());
-  glMultiDrawArraysIndirect(GL_TRIANGLE_STRIP, nullptr, static_cast<GLsizei>(pending_.size()), 0);
+  glMultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, nullptr, static_cast<GLsizei>(pending_.size()), 0);
   pending_.clear();
   ++statistics_.batches;
 }

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "roadgen/render/gl.h"
+#include "roadgen/render/box_strip.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/road_instance.h"
 #include "roadgen/render/tile_index.h"
@@ -37,9 +37,9 @@ class RoadTiles {
   const RoadStatistics& statistics() const { return statistics_; }
 
  private:
-  // As glMultiDrawArraysIndirect reads it.
+  // As glMultiDrawElementsIndirect reads it.
   struct DrawCommand {
-    std::uint32_t vertices, instances, first_vertex, first_instance;
+    std::uint32_t elements, instances, first_element, first_vertex, first_instance;
   };
   static constexpr std::uint32_t kNoPage = ~0u;
   struct Slot {
@@ -49,7 +49,7 @@ class RoadTiles {
   };
   // Gathers the draws of data[first], ..., data[first + count - 1]; first_page: of data[0].
   void add(std::span<const RoadInstance> data, std::uint32_t first_page, std::uint32_t first, std::uint32_t count,
-           std::uint32_t vertices);
+           ElementRange strip);
   // The place of a page in the pool. Uploaded there if need be, and drawn what has gathered if there is no room.
   std::uint32_t place(std::uint32_t page, std::span<const RoadInstance> data);
   // Draws what has gathered and begins a new batch.
@@ -58,7 +58,7 @@ class RoadTiles {
   RoadScene scene_;
   TileIndex index_;
   gl::VertexArray vertex_array_;
-  gl::Buffer pool_, commands_, tiles_, sections_, paint_;
+  gl::Buffer pool_, elements_, commands_, tiles_, sections_, paint_;
   gl::Texture section_texels_;
   std::array<std::uint32_t, kRoadKinds> first_page_{};  // of each kind's instances
   std::list<Slot> slots_;                               // least recently used first

@@ -73,6 +73,7 @@ void SweepBatch::upload(const Network& network) {
   order_ = gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(std::uint32_t)), nullptr,
                                  GL_DYNAMIC_STORAGE_BIT);
   vertex_array_ = gl::VertexArray::create();
+  bind_strips(vertex_array_, elements_);
   glVertexArrayVertexBuffer(vertex_array_.id(), 0, order_.id(), 0, sizeof(std::uint32_t));
   glVertexArrayBindingDivisor(vertex_array_.id(), 0, 1);
   glEnableVertexArrayAttrib(vertex_array_.id(), 0);
@@ -98,7 +99,7 @@ void SweepBatch::draw(const Program& program, glm::dvec3 eye_m,
   program.use();
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, instances_.id());
   glBindVertexArray(vertex_array_.id());
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, static_cast<GLsizei>(order.size()));
+  draw_boxes(static_cast<GLsizei>(order.size()));
   glBindVertexArray(0);
   glDisable(GL_CULL_FACE);
 }

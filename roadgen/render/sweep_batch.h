@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "roadgen/render/gl.h"
+#include "roadgen/render/box_strip.h"
 #include "roadgen/render/program.h"
 #include "roadgen/road/network.h"
 
@@ -26,7 +26,7 @@ class SweepBatch {
     double radius_m;
   };
   gl::VertexArray vertex_array_;
-  gl::Buffer instances_, order_;
+  gl::Buffer elements_, instances_, order_;
   std::vector<Ball> balls_;
 };
 
