@@ -58,7 +58,7 @@ struct Frame {
 // How a renderer goes about its work; the picture is the same but for what least_contribution states.
 struct RendererOptions {
   // Of instance memory on the GPU; tables of the whole network come to it, see RoadStatistics. Where one frame needs
-  // more, it is drawn in batches. Default: 256 MiB, 2 million segments. At least 32 KiB.
+  // more, it is drawn in batches. Default: 256 MiB, 2 million segments. At least 31 KiB.
   std::size_t gpu_budget_bytes = std::size_t{256} << 20;
   // Far roads near the eye's horizon are left out of the picture (never of the data channels) where what that changes is
   // at most this part of full brightness even if roads covered all the ground there; TileIndex::contribution has the
@@ -90,7 +90,7 @@ class Renderer {
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
   void set_lighting(const Lighting& lighting);
-  static constexpr int kBytesPerSegment = 128;
+  static constexpr int kBytesPerSegment = 124;
   RoadStatistics road_statistics() const;
 
   // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.

@@ -20,7 +20,7 @@ struct SplitPosition {
 };
 SplitPosition split(glm::dvec3 p);
 
-// One segment, an instance's attributes in the layout that shaders/road.vert declares; 128 bytes.
+// One segment, an instance's attributes in the layout that shaders/road.vert declares; 124 bytes.
 struct RoadInstance {
   glm::vec3 start;           // start anchor relative to its tile, ENU, m
   std::uint32_t tile;        // index of the tile
@@ -35,9 +35,8 @@ struct RoadInstance {
   std::uint32_t flags;       // RoadFlags
   float section_s;           // s at the start from the section's start, m
   std::uint32_t crossfall_left, crossfall_right;  // each at the start and at the end, as two halves
-  std::uint32_t spare;
 };
-static_assert(sizeof(RoadInstance) == 128);
+static_assert(sizeof(RoadInstance) == 124);
 
 enum RoadFlags : std::uint32_t { kOpenStart = 1, kOpenEnd = 2 };
 

@@ -21,7 +21,7 @@
 
 namespace roadgen {
 
-// Segments in a page of the pool: 32 KiB.
+// Segments in a page of the pool: 31 KiB.
 inline constexpr std::uint32_t kPageSegments = 256;
 inline constexpr std::size_t kPageBytes = kPageSegments * sizeof(RoadInstance);
 
