@@ -148,9 +148,34 @@ JunctionArm arm_of(const Road& road, bool at_end) {
   return arm;
 }
 
+Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad> ends, const JunctionOptions& options,
+                               Diagnostics* diagnostics) {
+  std::vector<JunctionArm> arms;
+  for (const EndOfRoad& end : ends) arms.push_back(arm_of(*end.road, end.at_end));
+  Result<Junction> junction = make_junction(id, std::move(arms), options, diagnostics);
+  if (!junction) return junction.error();
+  const auto strips_of = [&](const JunctionArm& arm, bool on_left) {
+    const auto end = std::find_if(ends.begin(), ends.end(),
+                                  [&](const EndOfRoad& e) { return e.road->id == arm.road && e.at_end == arm.at_end; });
+    return strips(*end->road, end->at_end, on_left);
+  };
+  std::vector<Road> corners;
+  for (std::size_t i = 0; i < junction->arms.size(); ++i) {
+    const JunctionArm &from = junction->arms[i], &to = junction->arms[(i + 1) % junction->arms.size()];
+    const std::vector<Lane> beside_from = strips_of(from, false), beside_to = strips_of(to, true);
+    if (beside_from.empty() && beside_to.empty()) continue;
+    Result<Road> road =
+        corner_road(id + ".corner." + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
+    if (!road) return road.error();
+    corners.push_back(std::move(*road));
+  }
+  if (!corners.empty()) junction->underlap_m = kUnderlap_m;
+  return Crossing{std::move(*junction), std::move(corners)};
+}
+
 Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends, const JunctionOptions& options,
                     Diagnostics* diagnostics) {
-  std::vector<JunctionArm> arms;
+  std::vector<EndOfRoad> found;
   for (const RoadEnd& end : ends) {
     const Road* road = find(network, end.road);
     if (!road || road->segments.empty() || road->closed) {
@@ -160,28 +185,16 @@ Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>
                    0,
                    "junction " + id};
     }
-    arms.push_back(arm_of(*road, end.at_end));
+    found.push_back({road, end.at_end});
   }
-  Result<Junction> junction = make_junction(id, std::move(arms), options, diagnostics);
-  if (!junction) return junction.error();
-  std::vector<Road> corners;
-  for (std::size_t i = 0; i < junction->arms.size(); ++i) {
-    const JunctionArm &from = junction->arms[i], &to = junction->arms[(i + 1) % junction->arms.size()];
-    const std::vector<Lane> beside_from = strips(*find(network, from.road), from.at_end, false);
-    const std::vector<Lane> beside_to = strips(*find(network, to.road), to.at_end, true);
-    if (beside_from.empty() && beside_to.empty()) continue;
-    Result<Road> road =
-        corner_road(id + ".corner." + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
-    if (!road) return road.error();
-    corners.push_back(std::move(*road));
-  }
-  if (!corners.empty()) junction->underlap_m = kUnderlap_m;
+  Result<Crossing> crossing = make_crossing(id, found, options, diagnostics);
+  if (!crossing) return crossing.error();
   for (const RoadEnd& end : ends) {
     Road& road = *find(network, end.road);
     (end.at_end ? road.joined_end : road.joined_start) = true;
   }
-  network.junctions.push_back(std::move(*junction));
-  std::move(corners.begin(), corners.end(), std::back_inserter(network.roads));
+  network.junctions.push_back(std::move(crossing->junction));
+  std::move(crossing->corners.begin(), crossing->corners.end(), std::back_inserter(network.roads));
   return Done{};
 }
 

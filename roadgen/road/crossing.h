@@ -1,6 +1,7 @@
 // Joins the ends of roads in a junction: its area between the carriageways, and along its corners what lies beside them.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,24 @@ struct RoadEnd {
 // How a road's end meets a junction. The carriageway reaches outward to the first kerb, sidewalk, verge or raised lane.
 JunctionArm arm_of(const Road& road, bool at_end);
 
-// Adds to the network the junction `id` that the given ends of its roads form, and for every corner beside which both
-// arms have kerbs, sidewalks or verges a road "ID.corner.N" that carries them around: strips of one type are joined,
-// others taper away. Ends in the junction are marked as joined, so markings and surfaces end at its cut.
+// A junction and the roads along its corners.
+struct Crossing {
+  Junction junction;
+  std::vector<Road> corners;
+};
+struct EndOfRoad {
+  const Road* road = nullptr;
+  bool at_end = false;
+};
+
+// The junction `id` that the given ends form, and for every corner beside which both arms have kerbs, sidewalks or verges
+// a road "ID.corner.N" that carries them around: strips of one type are joined, others taper away.
+// Requires: roads with segments, not closed. Diagnostics and errors: as make_junction.
+Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad> ends,
+                               const JunctionOptions& options = {}, Diagnostics* diagnostics = nullptr);
+
+// Adds to the network the junction `id` that the given ends of its roads form, and the roads along its corners (see
+// make_crossing). Ends in the junction are marked as joined, so markings and surfaces end at its cut.
 // Diagnostics: as make_junction. Errors: as make_junction; kGeometry for an end of a road that the network lacks or that
 // is closed. The network is unchanged then.
 Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends,

@@ -28,6 +28,7 @@ struct Georeference {
 struct Road {
   std::string id;  // unique in the network
   std::string name;
+  std::string road_class;         // as the source calls it: highway=* of OSM; empty where it does not say
   bool closed = false;            // the last segment ends at the first one's start
   bool joined_start = false;      // what lies before the start, a junction or a road, joins it without an edge
   bool joined_end = false;        // and beyond the end

@@ -1,0 +1,411 @@
+#include "roadgen/import/osm_road.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+namespace roadgen {
+namespace {
+
+constexpr double kSmoothTurn_rad = std::numbers::pi / 4;  // at nodes that follow a bend
+constexpr double kSmoothBulge_m = 1;                      // of a bend beside the straight line between nodes
+constexpr double kBulge = 4.0 / 27;                       // max of x (1 - x)^2: of a cubic of slope 1 at one end
+constexpr double kLongestTaper_m = 30;
+constexpr double kLeastPiece_m = 0.05;                 // between places where something changes
+constexpr double kArcTurn_rad = std::numbers::pi / 3;  // of one cubic of a corner
+// Points within the first of these of the straight line without them are left out; where no road can be, the next ones.
+constexpr double kThinning_m[] = {0.15, 0.5, 1, 2};
+
+double heading(glm::dvec2 d) { return std::atan2(d.y, d.x); }
+double turn(glm::dvec2 a, glm::dvec2 b) { return std::atan2(a.x * b.y - a.y * b.x, glm::dot(a, b)); }
+
+// A point that the road turns at, or where something changes.
+struct Vertex {
+  glm::dvec2 p;
+  double at_m;        // along the course
+  bool keep = false;  // not to be left out
+};
+
+// A stretch of equal tags.
+struct Part {
+  std::size_t piece = 0;          // the first of the course's
+  double start_m = 0, end_m = 0;  // along the course
+  double taper_start_m = 0, taper_end_m = 0;
+  LaneSection section;
+  double half_m = 0;
+};
+
+class LineMaker {
+ public:
+  LineMaker(const OsmScene& scene, const Course& course, const OsmLine& line, const LinePlan& plan,
+            ElementFindings& findings)
+      : scene_(scene), course_(course), line_(line), plan_(plan), findings_(findings) {}
+  Result<LineRoads> run();
+
+ private:
+  const WayTags& tags(std::size_t piece) const { return scene_.data.ways[course_.pieces[piece].way].tags; }
+  std::int64_t way_id(std::size_t piece) const { return scene_.data.ways[course_.pieces[piece].way].id; }
+  std::string element() const { return "way " + std::to_string(way_id(parts_.front().piece)); }
+  void find_parts();
+  void find_tapers();
+  std::vector<Vertex> vertices() const;
+  std::vector<Vertex> thinned(std::vector<Vertex> all, double tolerance_m) const;
+  std::vector<Anchor> anchors(const std::vector<Vertex>& v);
+  void add_anchor(std::vector<Anchor>& to, glm::dvec2 p, double at_m, double heading_rad);
+  double half_width_at(double at_m) const;
+  double part_factor(const Road& road, const Part& part) const;
+  Result<Road> whole_road();
+  LaneSection tapered(const Part& part, const Part* before, const Part* after, double from_s, double to_s,
+                      double length_m) const;
+  Result<Road> part_road(const Road& whole, std::size_t i);
+
+  const OsmScene& scene_;
+  const Course& course_;
+  const OsmLine& line_;
+  const LinePlan& plan_;
+  ElementFindings& findings_;
+  double start_m_ = 0, end_m_ = 0;  // along the course, between the cuts
+  std::vector<Part> parts_;
+  std::vector<double> anchor_at_m_;  // along the course, of each anchor
+  std::vector<glm::dvec2> anchor_p_;
+  bool narrowed_ = false;
+};
+
+void LineMaker::find_parts() {
+  start_m_ = plan_.cut_start_m;
+  end_m_ = course_.length_m() - plan_.cut_end_m;
+  for (std::size_t i = 0; i < course_.pieces.size(); ++i) {
+    const double from = std::max(start_m_, course_.at_m[course_.starts[i]]);
+    const double to = std::min(end_m_, course_.at_m[course_.starts[i + 1]]);
+    const bool is_last_hope = parts_.empty() && i + 1 == course_.pieces.size();
+    if (to - from < kLeastPiece_m && !is_last_hope) continue;
+    LaneSection section = section_of_way(tags(i), course_.pieces[i].along(), scene_.keep_left);
+    if (!parts_.empty() && tags(parts_.back().piece) == tags(i) && parts_.back().section == section) {
+      parts_.back().end_m = to;
+      continue;
+    }
+    if (!parts_.empty()) parts_.back().end_m = from;
+    Part part;
+    part.piece = i;
+    part.start_m = parts_.empty() ? start_m_ : from;
+    part.end_m = to;
+    part.section = std::move(section);
+    part.half_m = edges_of_way(tags(i), course_.pieces[i].along(), scene_.keep_left).half_m;
+    parts_.push_back(std::move(part));
+  }
+  parts_.back().end_m = end_m_;
+}
+
+void LineMaker::find_tapers() {
+  for (std::size_t i = 0; i + 1 < parts_.size(); ++i) {
+    Part &a = parts_[i], &b = parts_[i + 1];
+    if (a.section == b.section) continue;
+    a.taper_end_m = std::min(kLongestTaper_m, 0.45 * (a.end_m - a.start_m));
+    b.taper_start_m = std::min(kLongestTaper_m, 0.45 * (b.end_m - b.start_m));
+  }
+}
+
+std::vector<Vertex> LineMaker::vertices() const {
+  std::vector<Vertex> all;
+  for (std::size_t i = 0; i < course_.points_m.size(); ++i) {
+    const double at = course_.at_m[i];
+    if (at > start_m_ + kLeastPiece_m && at < end_m_ - kLeastPiece_m) all.push_back({course_.points_m[i], at});
+  }
+  const auto keep = [&](double at) {
+    const auto next =
+        std::lower_bound(all.begin(), all.end(), at, [](const Vertex& v, double x) { return v.at_m < x; });
+    for (auto near : {next, next == all.begin() ? next : next - 1}) {
+      if (near != all.end() && std::abs(near->at_m - at) < 1e-9) {
+        near->keep = true;
+        return;
+      }
+    }
+    all.insert(next, {course_.point_at(at), at, true});
+  };
+  keep(start_m_);
+  keep(end_m_);
+  for (const Part& part : parts_) {
+    keep(part.start_m);
+    if (part.taper_start_m > 0) keep(part.start_m + part.taper_start_m);
+    if (part.taper_end_m > 0) keep(part.end_m - part.taper_end_m);
+  }
+  if (plan_.heights) {
+    for (const double at : plan_.heights->at_m) {
+      const auto near =
+          std::lower_bound(all.begin(), all.end(), at - 2, [](const Vertex& v, double x) { return v.at_m < x; });
+      const bool is_near = near != all.end() && near->keep && near->at_m < at + 2;
+      if (at > start_m_ + 1 && at < end_m_ - 1 && !is_near) keep(at);
+    }
+  }
+  return all;
+}
+
+// Douglas and Peucker between the points to keep.
+std::vector<Vertex> LineMaker::thinned(std::vector<Vertex> all, double tolerance_m) const {
+  std::vector<std::pair<std::size_t, std::size_t>> open;
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (!all[i].keep) continue;
+    open.emplace_back(last, i);
+    last = i;
+  }
+  while (!open.empty()) {
+    const auto [a, b] = open.back();
+    open.pop_back();
+    const glm::dvec2 chord = all[b].p - all[a].p;
+    const double square = glm::dot(chord, chord);
+    double worst = tolerance_m;
+    std::size_t at = 0;
+    for (std::size_t i = a + 1; i < b; ++i) {
+      const double part = square > 0 ? std::clamp(glm::dot(all[i].p - all[a].p, chord) / square, 0.0, 1.0) : 0;
+      const double off = glm::length(all[i].p - all[a].p - part * chord);
+      if (off > worst) worst = off, at = i;
+    }
+    if (at == 0) continue;
+    all[at].keep = true;
+    open.emplace_back(a, at);
+    open.emplace_back(at, b);
+  }
+  std::erase_if(all, [](const Vertex& v) { return !v.keep; });
+  return all;
+}
+
+double LineMaker::half_width_at(double at_m) const {
+  double half = 0;
+  for (const Part& part : parts_) {
+    if (at_m >= part.start_m - 1e-9 && at_m <= part.end_m + 1e-9) half = std::max(half, part.half_m);
+  }
+  return std::max(half, kLeastHalfWidth_m);
+}
+
+void LineMaker::add_anchor(std::vector<Anchor>& to, glm::dvec2 p, double at_m, double heading_rad) {
+  Anchor anchor{p, 0, half_width_at(at_m), heading_rad, 0.0};
+  if (plan_.heights) {
+    const HeightProfile::Value h = plan_.heights->value(at_m);
+    anchor.elevation_m = h.z_m;
+    anchor.grade = h.grade;
+  }
+  to.push_back(anchor);
+  anchor_at_m_.push_back(at_m);
+  anchor_p_.push_back(p);
+}
+
+// Every anchor with its heading, so that no two steps disagree about the curve.
+std::vector<Anchor> LineMaker::anchors(const std::vector<Vertex>& v) {
+  const std::size_t n = v.size();
+  std::vector<double> turn_at(n, 0), smooth_heading(n, 0);
+  std::vector<char> is_smooth(n, 0);
+  const auto leg = [&](std::size_t i) { return v[i + 1].p - v[i].p; };
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const glm::dvec2 in = leg(i - 1), out = leg(i), tangent = in + out;
+    turn_at[i] = turn(in, out);
+    const double off_in = std::abs(turn(in, tangent)), off_out = std::abs(turn(tangent, out));
+    smooth_heading[i] = heading(tangent);
+    is_smooth[i] =
+        std::abs(turn_at[i]) <= kSmoothTurn_rad &&
+        kBulge * std::max(std::tan(off_in) * glm::length(in), std::tan(off_out) * glm::length(out)) <= kSmoothBulge_m;
+  }
+  anchor_at_m_.clear();
+  anchor_p_.clear();
+  std::vector<Anchor> all;
+  // A dead end goes on with the bend, a cut goes straight on.
+  const double first = heading(leg(0)), last = heading(leg(n - 2));
+  const auto end_heading = [&](double chord, double next, bool straight) {
+    return straight ? chord : chord - std::remainder(next - chord, 2 * std::numbers::pi);
+  };
+  add_anchor(all, v[0].p, v[0].at_m,
+             end_heading(first, smooth_heading[1], plan_.joined_start || line_.closed || n < 3 || !is_smooth[1]));
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    if (is_smooth[i]) {
+      add_anchor(all, v[i].p, v[i].at_m, smooth_heading[i]);
+      continue;
+    }
+    const glm::dvec2 in = glm::normalize(leg(i - 1)), out = glm::normalize(leg(i));
+    const double half_turn = 0.5 * std::abs(turn_at[i]);
+    const double least = 1.1 * half_width_at(v[i].at_m) + kLeastInnerRadius_m;
+    const double radius = std::max(least, kNodeError_m / (1 / std::cos(half_turn) - 1));
+    const auto share = [&](std::size_t other, double length) {
+      return length * (is_smooth[other] || other == 0 || other + 1 == n ? 0.8 : 0.49);
+    };
+    const double tangent = std::min(
+        {radius * std::tan(half_turn), share(i - 1, glm::length(leg(i - 1))), share(i + 1, glm::length(leg(i)))});
+    add_anchor(all, v[i].p - tangent * in, v[i].at_m - tangent, heading(in));
+    if (v[i].keep || std::abs(turn_at[i]) > kArcTurn_rad) {
+      const glm::dvec2 middle = v[i].p + tangent * std::tan(0.5 * half_turn) * glm::normalize(out - in);
+      add_anchor(all, middle, v[i].at_m, heading(in + out));
+    }
+    add_anchor(all, v[i].p + tangent * out, v[i].at_m + tangent, heading(out));
+  }
+  add_anchor(all, v[n - 1].p, v[n - 1].at_m,
+             end_heading(last, smooth_heading[n - 2], plan_.joined_end || line_.closed || n < 3 || !is_smooth[n - 2]));
+  return all;
+}
+
+// The whole line as one road. Its sections are not yet those of the parts.
+Result<Road> LineMaker::whole_road() {
+  const std::vector<Vertex> all = vertices();
+  AlignmentOptions options;
+  options.least_distance_m = 1e-6;
+  options.closed = line_.closed && parts_.size() == 1;
+  Result<Road> road = Error{};
+  for (const TightPolicy policy : {TightPolicy::kError, TightPolicy::kNarrow}) {
+    options.tight = policy;
+    narrowed_ = policy == TightPolicy::kNarrow;
+    for (const double tolerance : kThinning_m) {
+      std::vector<Anchor> through = anchors(thinned(all, tolerance));
+      if (options.closed) through.pop_back();
+      road = road_from_anchors(through, options);
+      if (!road) continue;
+      if (tolerance > kThinning_m[0]) {
+        findings_.add(Severity::kWarning, "ways with bends too tight", element(),
+                      "bends too tightly for its width: nodes up to " + std::to_string(tolerance).substr(0, 3) +
+                          " m beside it are left out");
+      }
+      return road;
+    }
+  }
+  return road;
+}
+
+// Widths of matching lanes at the joint of two parts: the lesser one, or 0 where there is none.
+std::vector<double> joint_widths(const std::vector<Lane>& own, const std::vector<Lane>& other) {
+  std::vector<double> widths(own.size(), 0);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    std::size_t k = next;
+    while (k < other.size() && other[k].type != own[i].type) ++k;
+    if (k == other.size()) continue;
+    widths[i] = std::min(own[i].width_m.c0, other[k].width_m.c0);
+    next = k + 1;
+  }
+  return widths;
+}
+
+// The section of a part from s = from_s to to_s, of a road of the given length: where it tapers at either end.
+LaneSection LineMaker::tapered(const Part& part, const Part* before, const Part* after, double from_s, double to_s,
+                               double length_m) const {
+  LaneSection section = part.section;
+  section.s_m = from_s;
+  const bool at_start = before && part.taper_start_m > 0 && from_s == 0;
+  const bool at_end = !at_start && after && part.taper_end_m > 0 && to_s == length_m;
+  if (!at_start && !at_end) return section;
+  const Part& other = at_start ? *before : *after;
+  const double long_m = to_s - from_s;
+  const auto taper = [&](double joint, double own) {
+    return at_start ? Cubic::hermite(joint, 0, own, 0, long_m) : Cubic::hermite(own, 0, joint, 0, long_m);
+  };
+  const auto side = [&](std::vector<Lane>& lanes, const std::vector<Lane>& others) {
+    const std::vector<double> widths = joint_widths(lanes, others);
+    for (std::size_t i = 0; i < lanes.size(); ++i) lanes[i].width_m = taper(widths[i], lanes[i].width_m.c0);
+  };
+  section.offset_m = taper(0.5 * (section.offset_m.c0 + other.section.offset_m.c0), section.offset_m.c0);
+  side(section.left, other.section.left);
+  side(section.right, other.section.right);
+  return section;
+}
+
+// What is left of the part's width where the whole road was narrowed.
+double LineMaker::part_factor(const Road& road, const Part& part) const {
+  double factor = 1;
+  for (const Segment& segment : road.segments) {
+    factor = std::min(factor, segment.left_m.range(segment.arc_m).low / part.half_m);
+  }
+  return factor;
+}
+
+Result<Road> LineMaker::part_road(const Road& whole, std::size_t i) {
+  Part& part = parts_[i];
+  // The part's segments: between the anchors at its ends.
+  const auto anchor_near = [&](double at) {
+    const auto next = std::lower_bound(anchor_at_m_.begin(), anchor_at_m_.end(), at - 1e-6);
+    return static_cast<std::size_t>(std::min(next, anchor_at_m_.end() - 1) - anchor_at_m_.begin());
+  };
+  const auto segment_from = [&](std::size_t anchor) {
+    if (anchor == 0) return std::size_t{0};
+    std::size_t k = 0;
+    while (k < whole.segments.size() && whole.segments[k].start_m != anchor_p_[anchor]) ++k;
+    return k;
+  };
+  const std::size_t begin = i == 0 ? 0 : segment_from(anchor_near(part.start_m));
+  const std::size_t end = i + 1 == parts_.size() ? whole.segments.size() : segment_from(anchor_near(part.end_m));
+  Road road;
+  road.id = plan_.ids[part.piece];
+  if (end <= begin) {
+    return Error{ErrorCode::kGeometry, "has a stretch without length", {}, 0, element()};
+  }
+  const double s0 = whole.segments[begin].s_start_m;
+  const auto s_of = [&](double at) { return whole.segments[segment_from(anchor_near(at))].s_start_m - s0; };
+  const WayTags& of = tags(part.piece);
+  road.name = scene_.data.names[of.name];
+  road.road_class = highway_class(of.highway).name;
+  road.closed = whole.closed && parts_.size() == 1;
+  road.joined_start = i > 0 || plan_.joined_start || (line_.closed && !road.closed);
+  road.joined_end = i + 1 < parts_.size() || plan_.joined_end || (line_.closed && !road.closed);
+  road.segments.assign(whole.segments.begin() + static_cast<std::ptrdiff_t>(begin),
+                       whole.segments.begin() + static_cast<std::ptrdiff_t>(end));
+  chain_arc_lengths(road);
+  const double length = road.length_m();
+  if (narrowed_) {
+    const double factor = 0.98 * part_factor(road, part);
+    if (factor < 0.98) {
+      for (auto* side : {&part.section.left, &part.section.right}) {
+        for (Lane& lane : *side) lane.width_m.c0 *= factor;
+      }
+      part.section.offset_m.c0 *= factor;
+      findings_.add(Severity::kWarning, "ways with bends too tight", "way " + std::to_string(way_id(part.piece)),
+                    "bends too tightly for its width: its lanes are made narrower, to " +
+                        std::to_string(static_cast<int>(std::round(100 * factor))) + " %");
+    }
+  }
+  std::vector<double> from = {0};
+  if (part.taper_start_m > 0) from.push_back(s_of(part.start_m + part.taper_start_m));
+  if (part.taper_end_m > 0) from.push_back(s_of(part.end_m - part.taper_end_m));
+  std::vector<LaneSection> sections;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    const double to = k + 1 < from.size() ? from[k + 1] : length;
+    sections.push_back(tapered(part, i > 0 ? &parts_[i - 1] : nullptr, i + 1 < parts_.size() ? &parts_[i + 1] : nullptr,
+                               from[k], to, length));
+  }
+  if (Status s = set_sections(road, std::move(sections)); !s) return s.error();
+  return road;
+}
+
+Result<LineRoads> LineMaker::run() {
+  find_parts();
+  find_tapers();
+  Result<Road> whole = whole_road();
+  if (!whole) {
+    Error error = whole.error();
+    error.element = element();
+    return error;
+  }
+  LineRoads made;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    Result<Road> road = part_road(*whole, i);
+    if (!road) return road.error();
+    std::vector<Sample> samples;
+    const auto add = [&](double at) {
+      samples.push_back({course_.point_at(at), plan_.heights ? plan_.heights->value(at).z_m : 0});
+    };
+    add(parts_[i].start_m);
+    for (std::size_t k = 0; k < course_.points_m.size(); ++k) {
+      if (course_.at_m[k] > parts_[i].start_m && course_.at_m[k] < parts_[i].end_m) add(course_.at_m[k]);
+    }
+    add(parts_[i].end_m);
+    made.certificates.push_back(certify(*road, samples, anchor_at_m_.size()));
+    made.certificates.back().id = road->id;
+    made.roads.push_back(std::move(*road));
+  }
+  return made;
+}
+
+}  // namespace
+
+Result<LineRoads> make_line_roads(const OsmScene& scene, const Course& course, const OsmLine& line,
+                                  const LinePlan& plan, ElementFindings& findings) {
+  return LineMaker(scene, course, line, plan, findings).run();
+}
+
+}  // namespace roadgen
