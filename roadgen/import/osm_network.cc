@@ -60,7 +60,7 @@ class OsmImport {
   }
   std::vector<std::uint32_t> ordinals() const;
   void make_roads(const OsmScene& scene);
-  void make_areas(const OsmScene& scene);
+  void make_areas();
 
   const ImportOptions& options_;
   const Progress& progress_;
@@ -68,6 +68,7 @@ class OsmImport {
   OsmData data_;
   OsmGraph graph_;
   OsmJunctions junctions_;
+  std::vector<HeightProfile> heights_;  // [line]
   ImportResult result_;
   std::vector<std::uint32_t> first_road_, road_count_;  // [line]
 };
@@ -110,6 +111,7 @@ void OsmImport::make_roads(const OsmScene& scene) {
       plan.cut_end_m = junctions_.cut_m[2 * i + 1];
       plan.joined_start = joined[2 * i];
       plan.joined_end = joined[2 * i + 1];
+      plan.heights = heights_[i].at_m.empty() ? nullptr : &heights_[i];
       plan.ids.clear();
       for (const OsmPiece& piece : course.pieces) {
         const auto same = [&](const OsmPiece& p) { return p.way == piece.way && p.first == piece.first; };
@@ -145,7 +147,7 @@ void OsmImport::make_roads(const OsmScene& scene) {
   result_.allowed_error_m.assign(network.roads.size(), kNodeError_m);
 }
 
-void OsmImport::make_areas(const OsmScene&) {
+void OsmImport::make_areas() {
   Network& network = result_.network;
   const std::size_t count = junctions_.all.size();
   struct Made {
@@ -197,10 +199,12 @@ Result<ImportResult> OsmImport::run(OsmData data, const std::string& path) {
   const OsmScene scene{data_, positions_m, graph_, options_.left_hand_traffic};
   show(0.35, "placing junctions");
   junctions_ = place_junctions(scene, findings_);
+  show(0.5, "finding heights");
+  heights_ = find_heights(scene, findings_);
   show(0.6, "laying roads");
   make_roads(scene);
   show(0.8, "laying junctions");
-  make_areas(scene);
+  make_areas();
   Network& network = result_.network;
   network.georeference = origin;
   network.name = stem(stem(path));

@@ -13,7 +13,10 @@ constexpr double kSmoothTurn_rad = std::numbers::pi / 4;  // at nodes that follo
 constexpr double kSmoothBulge_m = 1;                      // of a bend beside the straight line between nodes
 constexpr double kBulge = 4.0 / 27;                       // max of x (1 - x)^2: of a cubic of slope 1 at one end
 constexpr double kLongestTaper_m = 30;
-constexpr double kLeastPiece_m = 0.05;                 // between places where something changes
+constexpr double kLeastPiece_m = 0.05;  // between places where something changes
+constexpr int kMostNarrowings = 6;
+constexpr double kLeastStructure_m = 5;                // shorter bridges and tunnels have no rails and vaults
+constexpr double kRailOff_m = 0.2, kWallOff_m = 0.75;  // beyond the edges
 constexpr double kArcTurn_rad = std::numbers::pi / 3;  // of one cubic of a corner
 // Points within the first of these of the straight line without them are left out; where no road can be, the next ones.
 constexpr double kThinning_m[] = {0.15, 0.5, 1, 2};
@@ -35,7 +38,31 @@ struct Part {
   double taper_start_m = 0, taper_end_m = 0;
   LaneSection section;
   double half_m = 0;
+  double factor = 1;  // of its widths
 };
+
+bool is_driven(LaneType type) { return type == LaneType::kDriving || type == LaneType::kBidirectional; }
+
+// Widths of matching lanes at the joint of two parts: the lesser one, or 0 where there is none.
+std::vector<double> joint_widths(const std::vector<Lane>& own, const std::vector<Lane>& other) {
+  std::vector<double> widths(own.size(), 0);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    std::size_t k = next;
+    while (k < other.size() && other[k].type != own[i].type && !(is_driven(other[k].type) && is_driven(own[i].type)))
+      ++k;
+    if (k == other.size()) continue;
+    widths[i] = std::min(own[i].width_m.c0, other[k].width_m.c0);
+    next = k + 1;
+  }
+  return widths;
+}
+
+// Whether a lane goes on from one section to the other.
+bool go_on(const LaneSection& a, const LaneSection& b) {
+  const auto driven = [](const std::vector<Lane>& side) { return !side.empty() && is_driven(side.front().type); };
+  return (driven(a.left) && driven(b.left)) || (driven(a.right) && driven(b.right));
+}
 
 class LineMaker {
  public:
@@ -55,10 +82,17 @@ class LineMaker {
   std::vector<Anchor> anchors(const std::vector<Vertex>& v);
   void add_anchor(std::vector<Anchor>& to, glm::dvec2 p, double at_m, double heading_rad);
   double half_width_at(double at_m) const;
-  double part_factor(const Road& road, const Part& part) const;
+  struct Range {
+    std::size_t begin, end;
+  };
+  std::size_t anchor_near(double at_m) const;
+  std::size_t segment_at(const Road& whole, double at_m) const;
+  Range segments_of(const Road& whole, std::size_t part) const;
+  void narrow_parts(const Road& whole);
   Result<Road> whole_road();
   LaneSection tapered(const Part& part, const Part* before, const Part* after, double from_s, double to_s,
                       double length_m) const;
+  void add_structures(Road& road, const WayTags& of) const;
   Result<Road> part_road(const Road& whole, std::size_t i);
 
   const OsmScene& scene_;
@@ -70,7 +104,6 @@ class LineMaker {
   std::vector<Part> parts_;
   std::vector<double> anchor_at_m_;  // along the course, of each anchor
   std::vector<glm::dvec2> anchor_p_;
-  bool narrowed_ = false;
 };
 
 void LineMaker::find_parts() {
@@ -101,7 +134,7 @@ void LineMaker::find_parts() {
 void LineMaker::find_tapers() {
   for (std::size_t i = 0; i + 1 < parts_.size(); ++i) {
     Part &a = parts_[i], &b = parts_[i + 1];
-    if (a.section == b.section) continue;
+    if (a.section == b.section || !go_on(a.section, b.section)) continue;
     a.taper_end_m = std::min(kLongestTaper_m, 0.45 * (a.end_m - a.start_m));
     b.taper_start_m = std::min(kLongestTaper_m, 0.45 * (b.end_m - b.start_m));
   }
@@ -249,38 +282,79 @@ Result<Road> LineMaker::whole_road() {
   AlignmentOptions options;
   options.least_distance_m = 1e-6;
   options.closed = line_.closed && parts_.size() == 1;
+  const auto road_through = [&](double tolerance_m) {
+    std::vector<Anchor> through = anchors(thinned(all, tolerance_m));
+    if (options.closed) through.pop_back();
+    return road_from_anchors(through, options);
+  };
   Result<Road> road = Error{};
-  for (const TightPolicy policy : {TightPolicy::kError, TightPolicy::kNarrow}) {
-    options.tight = policy;
-    narrowed_ = policy == TightPolicy::kNarrow;
-    for (const double tolerance : kThinning_m) {
-      std::vector<Anchor> through = anchors(thinned(all, tolerance));
-      if (options.closed) through.pop_back();
-      road = road_from_anchors(through, options);
-      if (!road) continue;
-      if (tolerance > kThinning_m[0]) {
-        findings_.add(Severity::kWarning, "ways with bends too tight", element(),
-                      "bends too tightly for its width: nodes up to " + std::to_string(tolerance).substr(0, 3) +
-                          " m beside it are left out");
-      }
-      return road;
+  for (const double tolerance : kThinning_m) {
+    options.tight = TightPolicy::kError;
+    road = road_through(tolerance);
+    // What can bend so tightly only where it is narrower is made so, unless leaving out a node or two helps.
+    for (int round = 0; !road && tolerance == kThinning_m[std::size(kThinning_m) - 1] && round < kMostNarrowings;
+         ++round) {
+      options.tight = TightPolicy::kNarrow;
+      const Result<Road> narrow = road_through(tolerance);
+      if (!narrow) return narrow;
+      narrow_parts(*narrow);
+      options.tight = TightPolicy::kError;
+      road = road_through(tolerance);
     }
+    if (!road) continue;
+    if (tolerance > kThinning_m[0]) {
+      findings_.add(Severity::kWarning, "ways with bends too tight", element(),
+                    "bends too tightly for its width: nodes up to " + std::to_string(tolerance).substr(0, 3) +
+                        " m beside it are left out");
+    }
+    for (const Part& part : parts_) {
+      if (part.factor == 1) continue;
+      findings_.add(Severity::kWarning, "ways with bends too tight", "way " + std::to_string(way_id(part.piece)),
+                    "bends too tightly for its width: its lanes are made narrower, to " +
+                        std::to_string(static_cast<int>(std::round(100 * part.factor))) + " %");
+    }
+    break;
   }
   return road;
 }
 
-// Widths of matching lanes at the joint of two parts: the lesser one, or 0 where there is none.
-std::vector<double> joint_widths(const std::vector<Lane>& own, const std::vector<Lane>& other) {
-  std::vector<double> widths(own.size(), 0);
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    std::size_t k = next;
-    while (k < other.size() && other[k].type != own[i].type) ++k;
-    if (k == other.size()) continue;
-    widths[i] = std::min(own[i].width_m.c0, other[k].width_m.c0);
-    next = k + 1;
+std::size_t LineMaker::anchor_near(double at_m) const {
+  const auto next = std::lower_bound(anchor_at_m_.begin(), anchor_at_m_.end(), at_m - 1e-6);
+  return static_cast<std::size_t>(std::min(next, anchor_at_m_.end() - 1) - anchor_at_m_.begin());
+}
+
+// The segment of the whole road that starts at a place along the course where an anchor is.
+std::size_t LineMaker::segment_at(const Road& whole, double at_m) const {
+  const std::size_t anchor = anchor_near(at_m);
+  if (anchor == 0) return 0;
+  std::size_t k = 0;
+  while (k < whole.segments.size() && whole.segments[k].start_m != anchor_p_[anchor]) ++k;
+  return k;
+}
+
+LineMaker::Range LineMaker::segments_of(const Road& whole, std::size_t part) const {
+  return {part == 0 ? 0 : segment_at(whole, parts_[part].start_m),
+          part + 1 == parts_.size() ? whole.segments.size() : segment_at(whole, parts_[part].end_m)};
+}
+
+// Makes the lanes of every part as narrow as its narrowest place.
+void LineMaker::narrow_parts(const Road& whole) {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    Part& part = parts_[i];
+    double least = part.half_m;
+    const Range range = segments_of(whole, i);
+    for (std::size_t k = range.begin; k < range.end; ++k) {
+      least = std::min(least, whole.segments[k].left_m.range(whole.segments[k].arc_m).low);
+    }
+    if (least >= part.half_m) continue;
+    const double factor = 0.97 * least / part.half_m;
+    part.factor *= factor;
+    part.half_m *= factor;
+    part.section.offset_m.c0 *= factor;
+    for (auto* side : {&part.section.left, &part.section.right}) {
+      for (Lane& lane : *side) lane.width_m.c0 *= factor;
+    }
   }
-  return widths;
 }
 
 // The section of a part from s = from_s to to_s, of a road of the given length: where it tapers at either end.
@@ -306,37 +380,47 @@ LaneSection LineMaker::tapered(const Part& part, const Part* before, const Part*
   return section;
 }
 
-// What is left of the part's width where the whole road was narrowed.
-double LineMaker::part_factor(const Road& road, const Part& part) const {
-  double factor = 1;
+// Guard rails on bridges, a vault over tunnels.
+void LineMaker::add_structures(Road& road, const WayTags& of) const {
+  const double length = road.length_m();
+  if (length < kLeastStructure_m) return;
+  double left = -1e300, right = 1e300;
   for (const Segment& segment : road.segments) {
-    factor = std::min(factor, segment.left_m.range(segment.arc_m).low / part.half_m);
+    left = std::max(left, segment.left_m.range(segment.arc_m).high);
+    right = std::min(right, segment.right_m.range(segment.arc_m).low);
   }
-  return factor;
+  std::vector<Sweep> wanted;
+  if (of.bridge) {
+    for (const double t : {left + kRailOff_m, right - kRailOff_m}) {
+      wanted.push_back({.s_start_m = 0, .s_end_m = length, .t_m = t, .shape = GuardRail{}});
+    }
+  } else if (of.tunnel) {
+    const double half = 0.5 * (left - right) + kWallOff_m;
+    wanted.push_back({.s_start_m = 0,
+                      .s_end_m = length,
+                      .t_m = 0.5 * (left + right),
+                      .shape = Tunnel{.half_width_m = half,
+                                      .wall_height_m = 3,
+                                      .arch_rise_m = std::min(half, 1.2),
+                                      .head_margin_m = 0.3,
+                                      .walkway_m = 0}});
+  }
+  // None where the road bends too tightly for it.
+  for (Sweep& sweep : wanted) {
+    if (problems(road, sweep).empty()) road.sweeps.push_back(std::move(sweep));
+  }
 }
 
 Result<Road> LineMaker::part_road(const Road& whole, std::size_t i) {
-  Part& part = parts_[i];
-  // The part's segments: between the anchors at its ends.
-  const auto anchor_near = [&](double at) {
-    const auto next = std::lower_bound(anchor_at_m_.begin(), anchor_at_m_.end(), at - 1e-6);
-    return static_cast<std::size_t>(std::min(next, anchor_at_m_.end() - 1) - anchor_at_m_.begin());
-  };
-  const auto segment_from = [&](std::size_t anchor) {
-    if (anchor == 0) return std::size_t{0};
-    std::size_t k = 0;
-    while (k < whole.segments.size() && whole.segments[k].start_m != anchor_p_[anchor]) ++k;
-    return k;
-  };
-  const std::size_t begin = i == 0 ? 0 : segment_from(anchor_near(part.start_m));
-  const std::size_t end = i + 1 == parts_.size() ? whole.segments.size() : segment_from(anchor_near(part.end_m));
+  const Part& part = parts_[i];
+  const auto [begin, end] = segments_of(whole, i);
   Road road;
   road.id = plan_.ids[part.piece];
   if (end <= begin) {
     return Error{ErrorCode::kGeometry, "has a stretch without length", {}, 0, element()};
   }
   const double s0 = whole.segments[begin].s_start_m;
-  const auto s_of = [&](double at) { return whole.segments[segment_from(anchor_near(at))].s_start_m - s0; };
+  const auto s_of = [&](double at) { return whole.segments[segment_at(whole, at)].s_start_m - s0; };
   const WayTags& of = tags(part.piece);
   road.name = scene_.data.names[of.name];
   road.road_class = highway_class(of.highway).name;
@@ -347,18 +431,6 @@ Result<Road> LineMaker::part_road(const Road& whole, std::size_t i) {
                        whole.segments.begin() + static_cast<std::ptrdiff_t>(end));
   chain_arc_lengths(road);
   const double length = road.length_m();
-  if (narrowed_) {
-    const double factor = 0.98 * part_factor(road, part);
-    if (factor < 0.98) {
-      for (auto* side : {&part.section.left, &part.section.right}) {
-        for (Lane& lane : *side) lane.width_m.c0 *= factor;
-      }
-      part.section.offset_m.c0 *= factor;
-      findings_.add(Severity::kWarning, "ways with bends too tight", "way " + std::to_string(way_id(part.piece)),
-                    "bends too tightly for its width: its lanes are made narrower, to " +
-                        std::to_string(static_cast<int>(std::round(100 * factor))) + " %");
-    }
-  }
   std::vector<double> from = {0};
   if (part.taper_start_m > 0) from.push_back(s_of(part.start_m + part.taper_start_m));
   if (part.taper_end_m > 0) from.push_back(s_of(part.end_m - part.taper_end_m));
@@ -369,6 +441,7 @@ Result<Road> LineMaker::part_road(const Road& whole, std::size_t i) {
                                from[k], to, length));
   }
   if (Status s = set_sections(road, std::move(sections)); !s) return s.error();
+  add_structures(road, of);
   return road;
 }
 
