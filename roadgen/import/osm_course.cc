@@ -104,6 +104,12 @@ void load_course(const OsmScene& scene, const OsmLine& line, Course& course) {
   }
 }
 
+glm::dvec2 EndView::outward_of_cut(double from_end_m) const {
+  const glm::dvec2 ahead = point_at(std::min(from_end_m + kLookAhead_m, length_m())) - point_at(from_end_m);
+  // A loop may come back to the same place.
+  return glm::length(ahead) > 0.25 * kLookAhead_m ? glm::normalize(ahead) : outward_at(from_end_m);
+}
+
 EndView::Widths EndView::widths_at(double from_end_m) const {
   const OsmPiece& piece = course_->pieces[course_->piece_at(place(from_end_m))];
   const SectionEdges e = edges_of_way(scene_->data.ways[piece.way].tags, piece.along(), scene_->keep_left);

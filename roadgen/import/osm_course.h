@@ -37,6 +37,8 @@ struct Course {
 // leg, whose node is that of the leg's start. Where fewer than two points are left the course has none.
 void load_course(const OsmScene& scene, const OsmLine& line, Course& course);
 
+inline constexpr double kLookAhead_m = 4;
+
 // A course seen from one of its ends.
 class EndView {
  public:
@@ -49,6 +51,8 @@ class EndView {
     const glm::dvec2 d = course_->direction_at(place(from_end_m));
     return at_end_ ? -d : d;
   }
+  // The direction of a road that is cut off here: over the next kLookAhead_m, since a node may lie close by.
+  glm::dvec2 outward_of_cut(double from_end_m) const;
   // Widths of the carriageway to the left and right of one who looks outward, from the end.
   struct Widths {
     double left_m, right_m;

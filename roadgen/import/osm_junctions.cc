@@ -16,9 +16,10 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kLeastCut_m = 1;           // so that an area has a length
 constexpr double kLeastRoad_m = 1;          // of what is left between two areas
+constexpr double kWantedRoad_m = 6;         // likewise, where corners may be smaller for it
 constexpr double kLeastRadius_m = 1;        // of a corner where space is short
 constexpr double kGore_rad = kPi / 7;       // lines that part at less have a gore between them
-constexpr double kGoreNose_m = 1;           // its width where the roads end
+constexpr double kGoreNose_m = 0.6;         // its width where the roads end
 constexpr double kLongestGore_m = 80;       // from the node
 constexpr double kStraight_rad = kPi / 12;  // what goes on with less of a turn has no corner
 // A line longer than this stays, whatever its ends ask for.
@@ -43,15 +44,22 @@ struct PairCut {
   double first_m, second_m;
 };
 
-// Where two lines are so far apart that a nose fits between their carriageways.
+// Where two lines that part are so far apart that a nose fits between their carriageways, side by side.
 PairCut gore_cut(const EndView& a, const EndView& b) {
-  const double most = std::min({kLongestGore_m, a.length_m(), b.length_m()});
-  double x = kLeastCut_m;
-  for (; x < most; x += 0.5) {
-    const double needed = a.widths_at(x).left_m + b.widths_at(x).right_m + kGoreNose_m;
-    if (glm::length(a.point_at(x) - b.point_at(x)) >= needed) break;
+  const double most_a = std::min(kLongestGore_m, a.length_m()), most_b = std::min(kLongestGore_m, b.length_m());
+  const glm::dvec2 ahead = a.outward_at(kLeastCut_m) + b.outward_at(kLeastCut_m);
+  PairCut cut{kLeastCut_m, kLeastCut_m};
+  constexpr double kStep_m = 0.5;
+  while (cut.first_m < most_a && cut.second_m < most_b) {
+    const glm::dvec2 apart = a.point_at(cut.first_m) - b.point_at(cut.second_m);
+    const double before = glm::dot(apart, ahead) / glm::length(ahead);
+    const double needed = a.widths_at(cut.first_m).left_m + b.widths_at(cut.second_m).right_m + kGoreNose_m;
+    const double beside = std::sqrt(std::max(0.0, glm::dot(apart, apart) - before * before));
+    if (std::abs(before) <= kStep_m && beside >= needed) break;
+    if (before <= kStep_m) cut.first_m += kStep_m;
+    if (before >= -kStep_m) cut.second_m += kStep_m;
   }
-  return {x, x};
+  return cut;
 }
 
 // What the corner from line a to its neighbour b, counter-clockwise, asks for.
@@ -224,7 +232,6 @@ void Placer::settle() {
   for (std::size_t line = 0; line < length_m_.size(); ++line) {
     if (made_.absorbed[line]) continue;
     const std::size_t a = 2 * line, b = a + 1;
-    const double room = std::max(0.0, length_m(line) - kLeastRoad_m);
     double least = 0, wanted = 0;
     for (const std::size_t end : {a, b}) {
       if (group_[end] == kNone) continue;
@@ -232,6 +239,9 @@ void Placer::settle() {
       wanted += ask_[end].wanted_m;
     }
     if (wanted <= 0) continue;
+    // A longer road can bend between its ends, where no corner needs the room.
+    const double room =
+        std::max(length_m(line) - kWantedRoad_m, std::min<double>(length_m(line) - kLeastRoad_m, least));
     for (const std::size_t end : {a, b}) {
       if (group_[end] == kNone) continue;
       const Ask& ask = ask_[end];
@@ -310,7 +320,12 @@ OsmJunctions Placer::run() {
   // What lies within no area is a road after all.
   for (std::size_t line = 0; line < length_m_.size(); ++line) {
     if (!made_.absorbed[line]) continue;
-    if (!made_.all[root(group_[2 * line])].area) made_.absorbed[line] = 0;
+    OsmJunction& junction = made_.all[root(group_[2 * line])];
+    if (junction.area) {
+      junction.inside.push_back(static_cast<std::uint32_t>(line));
+    } else {
+      made_.absorbed[line] = 0;
+    }
   }
   std::erase_if(made_.all, [](const OsmJunction& j) { return !j.area; });
   return std::move(made_);
@@ -319,7 +334,7 @@ OsmJunctions Placer::run() {
 }  // namespace
 
 JunctionArm level_arm(const EndView& view, double cut_m) {
-  const glm::dvec2 outward = view.outward_at(cut_m);
+  const glm::dvec2 outward = view.outward_of_cut(cut_m);
   const EndView::Widths widths = view.widths_at(cut_m);
   JunctionArm arm;
   arm.position_m = view.point_at(cut_m);

@@ -11,10 +11,11 @@ namespace roadgen {
 
 // Nodes that share one area: a junction, or several that lie so close together that no road fits between them.
 struct OsmJunction {
-  std::uint32_t node = 0;     // the one of the lowest id
-  std::vector<LineEnd> ends;  // of the lines that lead to it
-  double radius_m = 6;        // of its corners
-  bool area = false;          // otherwise roads just touch at the node
+  std::uint32_t node = 0;             // the one of the lowest id
+  std::vector<LineEnd> ends;          // of the lines that lead to it
+  std::vector<std::uint32_t> inside;  // lines that lie within the area
+  double radius_m = 6;                // of its corners
+  bool area = false;                  // otherwise roads just touch at the node
 };
 
 struct OsmJunctions {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
+#include <numeric>
+#include <optional>
 
 #include <glm/geometric.hpp>
 
@@ -59,8 +61,12 @@ class OsmImport {
     if (progress_) progress_(part, what);
   }
   std::vector<std::uint32_t> ordinals() const;
-  void make_roads(const OsmScene& scene);
-  void make_areas();
+  LinePlan plan_of(std::size_t line, const Course& course) const;
+  std::string junction_id(const OsmJunction& junction) const { return std::to_string(data_.node_ids[junction.node]); }
+  void make_roads(const OsmScene& scene, const std::vector<std::uint32_t>& which);
+  std::vector<std::uint32_t> make_areas(const std::vector<std::uint32_t>& which);
+  void make_all(const OsmScene& scene);
+  void take_all();
 
   const ImportOptions& options_;
   const Progress& progress_;
@@ -70,7 +76,9 @@ class OsmImport {
   OsmJunctions junctions_;
   std::vector<HeightProfile> heights_;  // [line]
   ImportResult result_;
-  std::vector<std::uint32_t> first_road_, road_count_;  // [line]
+  std::vector<std::uint32_t> ordinal_;              // [piece]: how many of its way come before it
+  std::vector<LineRoads> roads_;                    // [line]
+  std::vector<std::optional<Crossing>> crossings_;  // [junction]
 };
 
 // Of every piece, how many of its way come before it.
@@ -86,103 +94,137 @@ std::vector<std::uint32_t> OsmImport::ordinals() const {
   return ordinal;
 }
 
-void OsmImport::make_roads(const OsmScene& scene) {
-  const std::size_t lines = graph_.lines.size();
-  const std::vector<std::uint32_t> ordinal = ordinals();
-  std::vector<char> joined(2 * lines, 0);
-  for (const OsmJunction& junction : junctions_.all) {
-    for (const LineEnd end : junction.ends) joined[end] = 1;
+LinePlan OsmImport::plan_of(std::size_t i, const Course& course) const {
+  const OsmLine& line = graph_.lines[i];
+  LinePlan plan;
+  plan.cut_start_m = junctions_.cut_m[2 * i];
+  plan.cut_end_m = junctions_.cut_m[2 * i + 1];
+  plan.joined_start = plan.cut_start_m > 0;
+  plan.joined_end = plan.cut_end_m > 0;
+  plan.heights = heights_[i].at_m.empty() ? nullptr : &heights_[i];
+  for (const OsmPiece& piece : course.pieces) {
+    const auto same = [&](const OsmPiece& p) { return p.way == piece.way && p.first == piece.first; };
+    const auto at = std::find_if(graph_.pieces.begin() + line.first_piece, graph_.pieces.end(), same);
+    const std::uint32_t n = ordinal_[static_cast<std::size_t>(at - graph_.pieces.begin())];
+    // A loop's first piece may come again as its last.
+    const bool again = line.closed && &piece == &course.pieces.back() && course.pieces.size() > 1;
+    plan.ids.push_back(std::to_string(data_.ways[piece.way].id) + (n > 0 ? "." + std::to_string(n + 1) : "") +
+                       (again ? ".0" : ""));
   }
-  struct Made {
-    std::vector<LineRoads> lines;
-    ElementFindings findings{""};
-  };
-  std::vector<Made> made((lines + kChunk - 1) / kChunk, Made{{}, findings_.empty_copy()});
-  for_chunks(lines, kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    Course course;
-    LinePlan plan;
-    made[chunk].lines.resize(end - begin);
-    for (std::size_t i = begin; i < end; ++i) {
-      if (junctions_.absorbed[i]) continue;
-      const OsmLine& line = graph_.lines[i];
-      load_course(scene, line, course);
-      if (course.points_m.empty()) continue;
-      plan.cut_start_m = junctions_.cut_m[2 * i];
-      plan.cut_end_m = junctions_.cut_m[2 * i + 1];
-      plan.joined_start = joined[2 * i];
-      plan.joined_end = joined[2 * i + 1];
-      plan.heights = heights_[i].at_m.empty() ? nullptr : &heights_[i];
-      plan.ids.clear();
-      for (const OsmPiece& piece : course.pieces) {
-        const auto same = [&](const OsmPiece& p) { return p.way == piece.way && p.first == piece.first; };
-        const auto at = std::find_if(graph_.pieces.begin() + line.first_piece, graph_.pieces.end(), same);
-        const std::uint32_t n = ordinal[static_cast<std::size_t>(at - graph_.pieces.begin())];
-        const bool again = line.closed && &piece == &course.pieces.back() && course.pieces.size() > 1;
-        plan.ids.push_back(std::to_string(data_.ways[piece.way].id) + (n > 0 ? "." + std::to_string(n + 1) : "") +
-                           (again ? ".0" : ""));
-      }
-      Result<LineRoads> roads = make_line_roads(scene, course, line, plan, made[chunk].findings);
-      if (roads) {
-        made[chunk].lines[i - begin] = std::move(*roads);
-      } else {
-        made[chunk].findings.add(Severity::kError, "ways that no road follows", roads.error().element,
-                                 "no road follows it, left out: " + roads.error().message);
-      }
-    }
-  });
-  first_road_.assign(lines, 0);
-  road_count_.assign(lines, 0);
-  Network& network = result_.network;
-  for (std::size_t chunk = 0; chunk < made.size(); ++chunk) {
-    findings_.add(made[chunk].findings);
-    for (std::size_t k = 0; k < made[chunk].lines.size(); ++k) {
-      LineRoads& roads = made[chunk].lines[k];
-      first_road_[chunk * kChunk + k] = static_cast<std::uint32_t>(network.roads.size());
-      road_count_[chunk * kChunk + k] = static_cast<std::uint32_t>(roads.roads.size());
-      std::move(roads.roads.begin(), roads.roads.end(), std::back_inserter(network.roads));
-      std::move(roads.certificates.begin(), roads.certificates.end(), std::back_inserter(result_.certificates));
-    }
-    made[chunk].lines = {};
-  }
-  result_.allowed_error_m.assign(network.roads.size(), kNodeError_m);
+  return plan;
 }
 
-void OsmImport::make_areas() {
-  Network& network = result_.network;
-  const std::size_t count = junctions_.all.size();
-  struct Made {
-    std::vector<Crossing> crossings;
-    ElementFindings findings{""};
-  };
-  std::vector<Made> made((count + kChunk - 1) / kChunk, Made{{}, findings_.empty_copy()});
-  for_chunks(count, kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    std::vector<EndOfRoad> ends;
+void OsmImport::make_roads(const OsmScene& scene, const std::vector<std::uint32_t>& which) {
+  std::vector<ElementFindings> found((which.size() + kChunk - 1) / kChunk, findings_.empty_copy());
+  for_chunks(which.size(), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    Course course;
     for (std::size_t k = begin; k < end; ++k) {
-      const OsmJunction& junction = junctions_.all[k];
-      ends.clear();
-      for (const LineEnd e : junction.ends) {
-        const std::size_t line = line_of(e);
-        if (road_count_[line] == 0) continue;
-        const std::size_t road = first_road_[line] + (is_at_end(e) ? road_count_[line] - 1 : 0);
-        ends.push_back({&network.roads[road], is_at_end(e)});
-      }
-      const std::string id = std::to_string(data_.node_ids[junction.node]);
-      Result<Crossing> crossing = make_crossing(id, ends, {.corner_radius_m = junction.radius_m});
-      if (crossing) {
-        made[chunk].crossings.push_back(std::move(*crossing));
+      const std::size_t i = which[k];
+      roads_[i] = {};
+      load_course(scene, graph_.lines[i], course);
+      if (junctions_.absorbed[i] || course.points_m.empty()) continue;
+      Result<LineRoads> roads = make_line_roads(scene, course, graph_.lines[i], plan_of(i, course), found[chunk]);
+      if (roads) {
+        roads_[i] = std::move(*roads);
       } else {
-        made[chunk].findings.add(Severity::kWarning, "junctions without an area", "node " + id,
-                                 "no area fits between its roads, which end before it: " + crossing.error().message);
+        found[chunk].add(Severity::kError, "ways that no road follows", roads.error().element,
+                         "no road follows it, left out: " + roads.error().message);
       }
     }
   });
-  for (Made& of : made) {
-    findings_.add(of.findings);
-    for (Crossing& crossing : of.crossings) {
-      network.junctions.push_back(std::move(crossing.junction));
-      std::move(crossing.corners.begin(), crossing.corners.end(), std::back_inserter(network.roads));
+  for (const ElementFindings& of : found) findings_.add(of);
+}
+
+// The crossings of the given junctions. Those that cannot be are given up: their lines are to be made again.
+std::vector<std::uint32_t> OsmImport::make_areas(const std::vector<std::uint32_t>& which) {
+  std::vector<std::string> why(which.size());
+  for_chunks(which.size(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+    std::vector<EndOfRoad> ends;
+    for (std::size_t k = begin; k < end; ++k) {
+      const OsmJunction& junction = junctions_.all[which[k]];
+      crossings_[which[k]].reset();
+      ends.clear();
+      for (const LineEnd e : junction.ends) {
+        const std::vector<Road>& roads = roads_[line_of(e)].roads;
+        if (!roads.empty()) ends.push_back({is_at_end(e) ? &roads.back() : &roads.front(), is_at_end(e)});
+      }
+      Result<Crossing> crossing = make_crossing(junction_id(junction), ends, {.corner_radius_m = junction.radius_m});
+      if (crossing) {
+        crossings_[which[k]] = std::move(*crossing);
+      } else {
+        why[k] = crossing.error().message;
+      }
     }
-    of.crossings = {};
+  });
+  std::vector<std::uint32_t> again;
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    if (why[k].empty()) continue;
+    OsmJunction& junction = junctions_.all[which[k]];
+    findings_.add(Severity::kWarning, "junctions without an area", "node " + junction_id(junction),
+                  "no area fits between its roads, which just touch: " + why[k]);
+    junction.area = false;
+    for (const LineEnd end : junction.ends) {
+      junctions_.cut_m[end] = 0;
+      again.push_back(static_cast<std::uint32_t>(line_of(end)));
+    }
+    for (const std::uint32_t line : junction.inside) {
+      junctions_.absorbed[line] = 0;
+      again.push_back(line);
+    }
+  }
+  std::sort(again.begin(), again.end());
+  again.erase(std::unique(again.begin(), again.end()), again.end());
+  return again;
+}
+
+// Roads and areas, until no area has to be given up.
+void OsmImport::make_all(const OsmScene& scene) {
+  const auto all_of = [](std::size_t count) {
+    std::vector<std::uint32_t> all(count);
+    std::iota(all.begin(), all.end(), 0u);
+    return all;
+  };
+  roads_.resize(graph_.lines.size());
+  crossings_.resize(junctions_.all.size());
+  std::vector<std::uint32_t> lines = all_of(roads_.size()), areas = all_of(crossings_.size());
+  while (!lines.empty()) {
+    make_roads(scene, lines);
+    show(0.8, "laying junctions");
+    lines = make_areas(areas);
+    areas.clear();
+    for (std::uint32_t k = 0; k < junctions_.all.size() && !lines.empty(); ++k) {
+      const auto is_moved = [&](LineEnd e) {
+        return std::binary_search(lines.begin(), lines.end(), static_cast<std::uint32_t>(line_of(e)));
+      };
+      const OsmJunction& junction = junctions_.all[k];
+      if (junction.area && std::any_of(junction.ends.begin(), junction.ends.end(), is_moved)) areas.push_back(k);
+    }
+  }
+}
+
+// What was made, in the order of the lines, then corners in that of the junctions.
+void OsmImport::take_all() {
+  Network& network = result_.network;
+  std::size_t roads = 0, areas = 0;
+  for (const LineRoads& line : roads_) roads += line.roads.size();
+  result_.certificates.reserve(roads);
+  result_.allowed_error_m.assign(roads, kNodeError_m);
+  for (const auto& crossing : crossings_) {
+    areas += crossing ? 1 : 0;
+    roads += crossing ? crossing->corners.size() : 0;
+  }
+  network.roads.reserve(roads);
+  network.junctions.reserve(areas);
+  for (LineRoads& line : roads_) {
+    std::move(line.roads.begin(), line.roads.end(), std::back_inserter(network.roads));
+    std::move(line.certificates.begin(), line.certificates.end(), std::back_inserter(result_.certificates));
+    line = {};
+  }
+  for (auto& crossing : crossings_) {
+    if (!crossing) continue;
+    network.junctions.push_back(std::move(crossing->junction));
+    std::move(crossing->corners.begin(), crossing->corners.end(), std::back_inserter(network.roads));
+    crossing.reset();
   }
 }
 
@@ -202,9 +244,9 @@ Result<ImportResult> OsmImport::run(OsmData data, const std::string& path) {
   show(0.5, "finding heights");
   heights_ = find_heights(scene, findings_);
   show(0.6, "laying roads");
-  make_roads(scene);
-  show(0.8, "laying junctions");
-  make_areas();
+  ordinal_ = ordinals();
+  make_all(scene);
+  take_all();
   Network& network = result_.network;
   network.georeference = origin;
   network.name = stem(stem(path));

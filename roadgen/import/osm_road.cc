@@ -77,11 +77,14 @@ class LineMaker {
   std::string element() const { return "way " + std::to_string(way_id(parts_.front().piece)); }
   void find_parts();
   void find_tapers();
+  void straighten_cuts(std::vector<Vertex>& all) const;
   std::vector<Vertex> vertices() const;
   std::vector<Vertex> thinned(std::vector<Vertex> all, double tolerance_m) const;
   std::vector<Anchor> anchors(const std::vector<Vertex>& v);
   void add_anchor(std::vector<Anchor>& to, glm::dvec2 p, double at_m, double heading_rad);
   double half_width_at(double at_m) const;
+  // Of the middle of a bend.
+  double least_radius(double at_m) const { return 1.1 * half_width_at(at_m) + kLeastInnerRadius_m; }
   struct Range {
     std::size_t begin, end;
   };
@@ -140,6 +143,33 @@ void LineMaker::find_tapers() {
   }
 }
 
+// A road leaves a junction straight on, over the length that its direction there comes from.
+void LineMaker::straighten_cuts(std::vector<Vertex>& all) const {
+  const auto straighten = [&](double from, double to) {
+    const glm::dvec2 p = course_.point_at(from), q = course_.point_at(to);
+    std::erase_if(all, [&](const Vertex& v) { return !v.keep && v.at_m > from && v.at_m < to; });
+    for (Vertex& v : all) {
+      if (v.at_m > from && v.at_m < to) v.p = p + (v.at_m - from) / (to - from) * (q - p);
+    }
+    const auto next =
+        std::lower_bound(all.begin(), all.end(), to, [](const Vertex& v, double x) { return v.at_m < x; });
+    const bool is_there = next != all.end() && next->at_m < to + kLeastPiece_m;
+    if (is_there) {
+      next->keep = true;
+    } else {
+      all.insert(next, {q, to, true});
+    }
+  };
+  const double room = end_m_ - start_m_, ahead = kLookAhead_m + kLeastPiece_m;
+  const bool both = plan_.joined_start && plan_.joined_end;
+  if (room < (both ? 2 : 1) * ahead) {
+    if (plan_.joined_start || plan_.joined_end) straighten(start_m_, end_m_);
+    return;
+  }
+  if (plan_.joined_start) straighten(start_m_, start_m_ + kLookAhead_m);
+  if (plan_.joined_end) straighten(end_m_ - kLookAhead_m, end_m_);
+}
+
 std::vector<Vertex> LineMaker::vertices() const {
   std::vector<Vertex> all;
   for (std::size_t i = 0; i < course_.points_m.size(); ++i) {
@@ -164,6 +194,7 @@ std::vector<Vertex> LineMaker::vertices() const {
     if (part.taper_start_m > 0) keep(part.start_m + part.taper_start_m);
     if (part.taper_end_m > 0) keep(part.end_m - part.taper_end_m);
   }
+  straighten_cuts(all);
   if (plan_.heights) {
     for (const double at : plan_.heights->at_m) {
       const auto near =
@@ -236,20 +267,24 @@ std::vector<Anchor> LineMaker::anchors(const std::vector<Vertex>& v) {
     turn_at[i] = turn(in, out);
     const double off_in = std::abs(turn(in, tangent)), off_out = std::abs(turn(tangent, out));
     smooth_heading[i] = heading(tangent);
-    is_smooth[i] =
-        std::abs(turn_at[i]) <= kSmoothTurn_rad &&
-        kBulge * std::max(std::tan(off_in) * glm::length(in), std::tan(off_out) * glm::length(out)) <= kSmoothBulge_m;
+    const double bend_in = std::tan(off_in), bend_out = std::tan(off_out);
+    const double least_m = least_radius(v[i].at_m);
+    is_smooth[i] = std::abs(turn_at[i]) <= kSmoothTurn_rad &&
+                   kBulge * std::max(bend_in * glm::length(in), bend_out * glm::length(out)) <= kSmoothBulge_m &&
+                   glm::length(in) >= 4 * bend_in * least_m && glm::length(out) >= 4 * bend_out * least_m;
   }
   anchor_at_m_.clear();
   anchor_p_.clear();
   std::vector<Anchor> all;
-  // A dead end goes on with the bend, a cut goes straight on.
+  // A dead end goes on with the bend, a cut as the junction has it.
   const double first = heading(leg(0)), last = heading(leg(n - 2));
-  const auto end_heading = [&](double chord, double next, bool straight) {
-    return straight ? chord : chord - std::remainder(next - chord, 2 * std::numbers::pi);
+  const auto end_heading = [&](double chord, std::size_t next) {
+    const bool straight = line_.closed || n < 3 || !is_smooth[next];
+    return straight ? chord : chord - std::remainder(smooth_heading[next] - chord, 2 * std::numbers::pi);
   };
+  const EndView start_view(scene_, course_, false), end_view(scene_, course_, true);
   add_anchor(all, v[0].p, v[0].at_m,
-             end_heading(first, smooth_heading[1], plan_.joined_start || line_.closed || n < 3 || !is_smooth[1]));
+             plan_.joined_start ? heading(start_view.outward_of_cut(plan_.cut_start_m)) : end_heading(first, 1));
   for (std::size_t i = 1; i + 1 < n; ++i) {
     if (is_smooth[i]) {
       add_anchor(all, v[i].p, v[i].at_m, smooth_heading[i]);
@@ -257,8 +292,7 @@ std::vector<Anchor> LineMaker::anchors(const std::vector<Vertex>& v) {
     }
     const glm::dvec2 in = glm::normalize(leg(i - 1)), out = glm::normalize(leg(i));
     const double half_turn = 0.5 * std::abs(turn_at[i]);
-    const double least = 1.1 * half_width_at(v[i].at_m) + kLeastInnerRadius_m;
-    const double radius = std::max(least, kNodeError_m / (1 / std::cos(half_turn) - 1));
+    const double radius = std::max(least_radius(v[i].at_m), kNodeError_m / (1 / std::cos(half_turn) - 1));
     const auto share = [&](std::size_t other, double length) {
       return length * (is_smooth[other] || other == 0 || other + 1 == n ? 0.8 : 0.49);
     };
@@ -272,7 +306,7 @@ std::vector<Anchor> LineMaker::anchors(const std::vector<Vertex>& v) {
     add_anchor(all, v[i].p + tangent * out, v[i].at_m + tangent, heading(out));
   }
   add_anchor(all, v[n - 1].p, v[n - 1].at_m,
-             end_heading(last, smooth_heading[n - 2], plan_.joined_end || line_.closed || n < 3 || !is_smooth[n - 2]));
+             plan_.joined_end ? heading(-end_view.outward_of_cut(plan_.cut_end_m)) : end_heading(last, n - 2));
   return all;
 }
 

@@ -229,7 +229,7 @@ std::vector<Lane> lanes_of(const SidePlan& plan, const WayTags& tags, bool share
   const bool paved = tags.material == Material::kAsphalt || tags.material == Material::kConcrete;
   const Mark edge{.kind = by_class.edge_lines && paved ? MarkKind::kSolid : MarkKind::kNone};
   std::vector<Lane> side;
-  side.reserve(5);
+  side.reserve(static_cast<std::size_t>(plan.lanes) + (plan.shoulder_m > 0) + plan.parking + 2 * plan.sidewalk);
   for (int i = 0; i < plan.lanes; ++i) {
     Lane lane{.type = shared ? LaneType::kBidirectional : LaneType::kDriving,
               .material = tags.material,
