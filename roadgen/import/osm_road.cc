@@ -12,6 +12,7 @@ namespace {
 constexpr double kSmoothTurn_rad = std::numbers::pi / 4;  // at nodes that follow a bend
 constexpr double kSmoothBulge_m = 1;                      // of a bend beside the straight line between nodes
 constexpr double kBulge = 4.0 / 27;                       // max of x (1 - x)^2: of a cubic of slope 1 at one end
+constexpr double kCornerError_m = 0.8 * kNodeError_m;     // the rest is for cubics and thinning
 constexpr double kLongestTaper_m = 30;
 constexpr double kLeastPiece_m = 0.05;  // between places where something changes
 constexpr int kMostNarrowings = 6;
@@ -292,7 +293,7 @@ std::vector<Anchor> LineMaker::anchors(const std::vector<Vertex>& v) {
     }
     const glm::dvec2 in = glm::normalize(leg(i - 1)), out = glm::normalize(leg(i));
     const double half_turn = 0.5 * std::abs(turn_at[i]);
-    const double radius = std::max(least_radius(v[i].at_m), kNodeError_m / (1 / std::cos(half_turn) - 1));
+    const double radius = std::max(least_radius(v[i].at_m), kCornerError_m / (1 / std::cos(half_turn) - 1));
     const auto share = [&](std::size_t other, double length) {
       return length * (is_smooth[other] || other == 0 || other + 1 == n ? 0.8 : 0.49);
     };
