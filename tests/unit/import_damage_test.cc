@@ -9,7 +9,10 @@
 #include "roadgen/export/opendrive.h"
 #include "roadgen/import/csv.h"
 #include "roadgen/import/gpx.h"
+#include "roadgen/import/import.h"
 #include "roadgen/import/opendrive.h"
+#include "tests/common/osm_city.h"
+#include "tests/temporary_folder.h"
 
 namespace roadgen {
 namespace {
@@ -155,6 +158,33 @@ TEST(Damage, TablesAndTracksGiveFinitePointsOrAnError) {
         for (const TrackPoint& p : track.points) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y));
       }
     }
+  }
+}
+
+TEST(Damage, OpenStreetMapGivesANetworkOrAnError) {
+  const test::TemporaryFolder folder;
+  std::mt19937 random(4);
+  for (const char* name : {"city.osm", "city.osm.gz", "city.osm.pbf"}) {
+    const std::string path = folder.path(name);
+    ASSERT_GT(test::write_osm_city(path, 12), 10u);
+    const std::string whole = test::text_of(path);
+    ASSERT_TRUE(import_files({path}, {}).ok());
+    int good = 0, bad = 0;
+    for (int i = 0; i < kRounds / 10; ++i) {
+      // Compressed files are hardly ever read at all.
+      folder.put(name, i % 2 == 0 && path.ends_with(".osm") ? with_odd_numbers(whole, random) : damaged(whole, random));
+      const Result<ImportResult> result = import_files({path}, {});
+      ++(result ? good : bad);
+      if (!result) {
+        EXPECT_EQ(result.error().file, path);
+        EXPECT_EQ(result.error().text().find('\n'), std::string::npos);
+        continue;
+      }
+      for (const Road& road : result->network.roads) ASSERT_TRUE(is_finite(road));
+      EXPECT_TRUE(check(result->network).ok()) << check(result->network).problems.front();
+    }
+    EXPECT_GT(bad, 0) << name;
+    std::printf("%s: %d read, %d errors\n", name, good, bad);
   }
 }
 
