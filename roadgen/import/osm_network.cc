@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <optional>
 
 #include <glm/geometric.hpp>
 
@@ -17,7 +16,7 @@
 namespace roadgen {
 namespace {
 
-constexpr std::size_t kChunk = 256;
+constexpr std::size_t kChunk = 256, kBatch = 64 * kChunk;
 constexpr double kUnit_deg = 1e-7;
 
 // Centre of the box around all nodes, rounded so that it can be quoted. Where the box would be wider than half the
@@ -64,6 +63,7 @@ class OsmImport {
   LinePlan plan_of(std::size_t line, const Course& course) const;
   std::string junction_id(const OsmJunction& junction) const { return std::to_string(data_.node_ids[junction.node]); }
   void make_roads(const OsmScene& scene, const std::vector<std::uint32_t>& which);
+  void take_roads(std::size_t line, LineRoads made);
   std::vector<std::uint32_t> make_areas(const std::vector<std::uint32_t>& which);
   void make_all(const OsmScene& scene);
   void take_all();
@@ -76,9 +76,13 @@ class OsmImport {
   OsmJunctions junctions_;
   std::vector<HeightProfile> heights_;  // [line]
   ImportResult result_;
-  std::vector<std::uint32_t> ordinal_;              // [piece]: how many of its way come before it
-  std::vector<LineRoads> roads_;                    // [line]
-  std::vector<std::optional<Crossing>> crossings_;  // [junction]
+  std::vector<std::uint32_t> ordinal_;  // [piece]: how many of its way come before it
+  struct Range {
+    std::uint32_t first = 0, count = 0;
+  };
+  std::vector<Range> range_;                // [line]: its roads
+  std::vector<Junction> areas_;             // [junction]
+  std::vector<std::vector<Road>> corners_;  // [junction]
 };
 
 // Of every piece, how many of its way come before it.
@@ -114,43 +118,69 @@ LinePlan OsmImport::plan_of(std::size_t i, const Course& course) const {
   return plan;
 }
 
+// Makes the roads of the given lines, some at a time, so that no more than those are in memory twice.
 void OsmImport::make_roads(const OsmScene& scene, const std::vector<std::uint32_t>& which) {
-  std::vector<ElementFindings> found((which.size() + kChunk - 1) / kChunk, findings_.empty_copy());
-  for_chunks(which.size(), kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    Course course;
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t i = which[k];
-      roads_[i] = {};
-      load_course(scene, graph_.lines[i], course);
-      if (junctions_.absorbed[i] || course.points_m.empty()) continue;
-      Result<LineRoads> roads = make_line_roads(scene, course, graph_.lines[i], plan_of(i, course), found[chunk]);
-      if (roads) {
-        roads_[i] = std::move(*roads);
-      } else {
-        found[chunk].add(Severity::kError, "ways that no road follows", roads.error().element,
-                         "no road follows it, left out: " + roads.error().message);
+  std::vector<LineRoads> made;
+  std::vector<ElementFindings> found;
+  for (std::size_t first = 0; first < which.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, which.size() - first);
+    made.assign(count, {});
+    found.assign((count + kChunk - 1) / kChunk, findings_.empty_copy());
+    for_chunks(count, kChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      Course course;
+      for (std::size_t k = begin; k < end; ++k) {
+        const std::size_t i = which[first + k];
+        load_course(scene, graph_.lines[i], course);
+        if (junctions_.absorbed[i] || course.points_m.empty()) continue;
+        Result<LineRoads> roads = make_line_roads(scene, course, graph_.lines[i], plan_of(i, course), found[chunk]);
+        if (roads) {
+          made[k] = std::move(*roads);
+        } else {
+          found[chunk].add(Severity::kError, "ways that no road follows", roads.error().element,
+                           "no road follows it, left out: " + roads.error().message);
+        }
       }
-    }
-  });
-  for (const ElementFindings& of : found) findings_.add(of);
+    });
+    for (std::size_t k = 0; k < count; ++k) take_roads(which[first + k], std::move(made[k]));
+    for (const ElementFindings& of : found) findings_.add(of);
+  }
 }
 
-// The crossings of the given junctions. Those that cannot be are given up: their lines are to be made again.
+// In place of those that the line had, if it had as many.
+void OsmImport::take_roads(std::size_t line, LineRoads made) {
+  std::vector<Road>& roads = result_.network.roads;
+  Range& range = range_[line];
+  if (made.roads.size() != range.count) {
+    for (std::size_t k = range.first; k < range.first + range.count; ++k) {
+      roads[k] = {};
+      result_.certificates[k] = {};
+    }
+    range = {static_cast<std::uint32_t>(roads.size()), static_cast<std::uint32_t>(made.roads.size())};
+    roads.resize(roads.size() + range.count);
+    result_.certificates.resize(roads.size());
+  }
+  std::move(made.roads.begin(), made.roads.end(), roads.begin() + range.first);
+  std::move(made.certificates.begin(), made.certificates.end(), result_.certificates.begin() + range.first);
+}
+
+// The areas of the given junctions. Those that cannot be are given up: their lines are to be made again.
 std::vector<std::uint32_t> OsmImport::make_areas(const std::vector<std::uint32_t>& which) {
   std::vector<std::string> why(which.size());
   for_chunks(which.size(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::vector<EndOfRoad> ends;
     for (std::size_t k = begin; k < end; ++k) {
       const OsmJunction& junction = junctions_.all[which[k]];
-      crossings_[which[k]].reset();
       ends.clear();
       for (const LineEnd e : junction.ends) {
-        const std::vector<Road>& roads = roads_[line_of(e)].roads;
-        if (!roads.empty()) ends.push_back({is_at_end(e) ? &roads.back() : &roads.front(), is_at_end(e)});
+        const Range& range = range_[line_of(e)];
+        if (range.count == 0) continue;
+        const std::size_t road = range.first + (is_at_end(e) ? range.count - 1 : 0);
+        ends.push_back({&result_.network.roads[road], is_at_end(e)});
       }
       Result<Crossing> crossing = make_crossing(junction_id(junction), ends, {.corner_radius_m = junction.radius_m});
       if (crossing) {
-        crossings_[which[k]] = std::move(*crossing);
+        areas_[which[k]] = std::move(crossing->junction);
+        corners_[which[k]] = std::move(crossing->corners);
       } else {
         why[k] = crossing.error().message;
       }
@@ -163,6 +193,8 @@ std::vector<std::uint32_t> OsmImport::make_areas(const std::vector<std::uint32_t
     findings_.add(Severity::kWarning, "junctions without an area", "node " + junction_id(junction),
                   "no area fits between its roads, which just touch: " + why[k]);
     junction.area = false;
+    areas_[which[k]] = {};
+    corners_[which[k]].clear();
     for (const LineEnd end : junction.ends) {
       junctions_.cut_m[end] = 0;
       again.push_back(static_cast<std::uint32_t>(line_of(end)));
@@ -184,9 +216,13 @@ void OsmImport::make_all(const OsmScene& scene) {
     std::iota(all.begin(), all.end(), 0u);
     return all;
   };
-  roads_.resize(graph_.lines.size());
-  crossings_.resize(junctions_.all.size());
-  std::vector<std::uint32_t> lines = all_of(roads_.size()), areas = all_of(crossings_.size());
+  // There is at most one road a piece: memory that is not used is not touched.
+  result_.network.roads.reserve(graph_.pieces.size() + graph_.lines.size());
+  result_.certificates.reserve(graph_.pieces.size() + graph_.lines.size());
+  range_.resize(graph_.lines.size());
+  areas_.resize(junctions_.all.size());
+  corners_.resize(junctions_.all.size());
+  std::vector<std::uint32_t> lines = all_of(range_.size()), areas = all_of(areas_.size());
   while (!lines.empty()) {
     make_roads(scene, lines);
     show(0.8, "laying junctions");
@@ -202,29 +238,16 @@ void OsmImport::make_all(const OsmScene& scene) {
   }
 }
 
-// What was made, in the order of the lines, then corners in that of the junctions.
+// Leaves out what was replaced, and adds the corners' strips.
 void OsmImport::take_all() {
   Network& network = result_.network;
-  std::size_t roads = 0, areas = 0;
-  for (const LineRoads& line : roads_) roads += line.roads.size();
-  result_.certificates.reserve(roads);
-  result_.allowed_error_m.assign(roads, kNodeError_m);
-  for (const auto& crossing : crossings_) {
-    areas += crossing ? 1 : 0;
-    roads += crossing ? crossing->corners.size() : 0;
-  }
-  network.roads.reserve(roads);
-  network.junctions.reserve(areas);
-  for (LineRoads& line : roads_) {
-    std::move(line.roads.begin(), line.roads.end(), std::back_inserter(network.roads));
-    std::move(line.certificates.begin(), line.certificates.end(), std::back_inserter(result_.certificates));
-    line = {};
-  }
-  for (auto& crossing : crossings_) {
-    if (!crossing) continue;
-    network.junctions.push_back(std::move(crossing->junction));
-    std::move(crossing->corners.begin(), crossing->corners.end(), std::back_inserter(network.roads));
-    crossing.reset();
+  std::erase_if(network.roads, [](const Road& road) { return road.segments.empty(); });
+  std::erase_if(result_.certificates, [](const Certificate& c) { return c.id.empty(); });
+  result_.allowed_error_m.assign(network.roads.size(), kNodeError_m);
+  std::erase_if(areas_, [](const Junction& junction) { return junction.arms.empty(); });
+  network.junctions = std::move(areas_);
+  for (std::vector<Road>& corners : corners_) {
+    std::move(corners.begin(), corners.end(), std::back_inserter(network.roads));
   }
 }
 

@@ -147,18 +147,20 @@ void LineMaker::find_tapers() {
 // A road leaves a junction straight on, over the length that its direction there comes from.
 void LineMaker::straighten_cuts(std::vector<Vertex>& all) const {
   const auto straighten = [&](double from, double to) {
+    if (course_.leg_at(from) == course_.leg_at(to)) return;
     const glm::dvec2 p = course_.point_at(from), q = course_.point_at(to);
     std::erase_if(all, [&](const Vertex& v) { return !v.keep && v.at_m > from && v.at_m < to; });
     for (Vertex& v : all) {
       if (v.at_m > from && v.at_m < to) v.p = p + (v.at_m - from) / (to - from) * (q - p);
     }
-    const auto next =
-        std::lower_bound(all.begin(), all.end(), to, [](const Vertex& v, double x) { return v.at_m < x; });
-    const bool is_there = next != all.end() && next->at_m < to + kLeastPiece_m;
-    if (is_there) {
-      next->keep = true;
-    } else {
-      all.insert(next, {q, to, true});
+    for (const auto& [at, point] : {std::pair(from, p), {to, q}}) {
+      const auto next =
+          std::lower_bound(all.begin(), all.end(), at, [](const Vertex& v, double x) { return v.at_m < x - 1e-9; });
+      if (next != all.end() && next->at_m < at + kLeastPiece_m) {
+        next->keep = true;
+      } else {
+        all.insert(next, {point, at, true});
+      }
     }
   };
   const double room = end_m_ - start_m_, ahead = kLookAhead_m + kLeastPiece_m;

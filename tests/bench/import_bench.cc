@@ -64,26 +64,31 @@ Run median(std::vector<Run> runs) {
   return m;
 }
 
-// Its own map of types is not part of every package. Numbers of lanes as SUMO's osmNetconvert.typ.xml has them.
-const char* const kTypes = R"(<types>
-<type id="highway.motorway" numLanes="2" speed="44.44" priority="13" oneway="1"/>
-<type id="highway.motorway_link" numLanes="1" speed="22.22" priority="12" oneway="1"/>
-<type id="highway.trunk" numLanes="2" speed="27.78" priority="11"/>
-<type id="highway.trunk_link" numLanes="1" speed="22.22" priority="10"/>
-<type id="highway.primary" numLanes="2" speed="27.78" priority="9"/>
-<type id="highway.primary_link" numLanes="1" speed="22.22" priority="8"/>
-<type id="highway.secondary" numLanes="1" speed="27.78" priority="7"/>
-<type id="highway.secondary_link" numLanes="1" speed="22.22" priority="6"/>
-<type id="highway.tertiary" numLanes="1" speed="22.22" priority="6"/>
-<type id="highway.tertiary_link" numLanes="1" speed="22.22" priority="5"/>
-<type id="highway.unclassified" numLanes="1" speed="13.89" priority="5"/>
-<type id="highway.residential" numLanes="1" speed="13.89" priority="4"/>
-<type id="highway.living_street" numLanes="1" speed="2.78" priority="3"/>
-<type id="highway.road" numLanes="1" speed="13.89" priority="4"/>
-<type id="highway.service" numLanes="1" speed="5.56" priority="2"/>
-<type id="highway.track" numLanes="1" speed="5.56" priority="1"/>
-</types>
-)";
+// Its own map of types is not part of every package. Lanes, directions and traffic as in SUMO's osmNetconvert.typ.xml.
+std::string types_xml() {
+  struct Type {
+    const char* name;
+    int priority, lanes;
+    double speed;
+    bool oneway;
+  };
+  constexpr Type kTypes[] = {{"motorway", 13, 2, 44.44, true},     {"motorway_link", 12, 1, 22.22, true},
+                             {"trunk", 11, 2, 27.78, false},       {"trunk_link", 10, 1, 22.22, false},
+                             {"primary", 9, 2, 27.78, false},      {"primary_link", 8, 1, 22.22, false},
+                             {"secondary", 7, 1, 27.78, false},    {"secondary_link", 6, 1, 22.22, false},
+                             {"tertiary", 6, 1, 22.22, false},     {"tertiary_link", 5, 1, 22.22, false},
+                             {"unclassified", 5, 1, 13.89, false}, {"residential", 4, 1, 13.89, false},
+                             {"living_street", 3, 1, 2.78, false}, {"road", 4, 1, 13.89, false},
+                             {"service", 2, 1, 5.56, false},       {"track", 1, 1, 5.56, false}};
+  std::string xml = "<types>\n";
+  for (const Type& t : kTypes) {
+    xml += fmt::format(
+        "<type id=\"highway.{}\" numLanes=\"{}\" speed=\"{}\" priority=\"{}\" oneway=\"{}\" "
+        "disallow=\"tram rail_urban rail rail_electric rail_fast ship\"/>\n",
+        t.name, t.lanes, t.speed, t.priority, t.oneway);
+  }
+  return xml + "</types>\n";
+}
 
 struct Options {
   std::vector<std::string> files;
@@ -94,7 +99,7 @@ struct Options {
 
 void compare(const Options& o, const std::string& name, const std::string& ours, const std::string& theirs) {
   const TemporaryFolder folder;
-  const std::string types = folder.put("types.typ.xml", kTypes);
+  const std::string types = folder.put("types.typ.xml", types_xml());
   const std::vector<std::vector<std::string>> commands = {{o.netconvert, "--type-files", types, "--osm-files", theirs,
                                                            "--aggregate-warnings", "1", "-o", folder.path("net.xml")},
                                                           {o.self, "--import", ours},
