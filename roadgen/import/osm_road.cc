@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <glm/geometric.hpp>
 
@@ -65,6 +66,16 @@ bool go_on(const LaneSection& a, const LaneSection& b) {
   return (driven(a.left) && driven(b.left)) || (driven(a.right) && driven(b.right));
 }
 
+// t of lane 0 at the joint of two sections.
+double joint_offset_m(const LaneSection& a, const LaneSection& b) { return 0.5 * (a.offset_m.c0 + b.offset_m.c0); }
+
+// Greatest |t| at the joint of two sections.
+double joint_half_m(const LaneSection& a, const LaneSection& b) {
+  const auto sum = [](const std::vector<double>& widths) { return std::accumulate(widths.begin(), widths.end(), 0.0); };
+  const double offset = joint_offset_m(a, b);
+  return std::max(offset + sum(joint_widths(a.left, b.left)), sum(joint_widths(a.right, b.right)) - offset);
+}
+
 class LineMaker {
  public:
   LineMaker(const OsmScene& scene, const Course& course, const OsmLine& line, const LinePlan& plan,
@@ -106,7 +117,11 @@ class LineMaker {
   ElementFindings& findings_;
   double start_m_ = 0, end_m_ = 0;  // along the course, between the cuts
   std::vector<Part> parts_;
-  std::vector<double> anchor_at_m_;  // along the course, of each anchor
+  struct VertexAnchor {
+    double at_m;
+    std::size_t anchor;
+  };
+  std::vector<VertexAnchor> vertex_anchors_;
   std::vector<glm::dvec2> anchor_p_;
 };
 
@@ -141,6 +156,9 @@ void LineMaker::find_tapers() {
     if (a.section == b.section || !go_on(a.section, b.section)) continue;
     a.taper_end_m = std::min(kLongestTaper_m, 0.45 * (a.end_m - a.start_m));
     b.taper_start_m = std::min(kLongestTaper_m, 0.45 * (b.end_m - b.start_m));
+    const double joint = joint_half_m(a.section, b.section);
+    a.half_m = std::max(a.half_m, joint);
+    b.half_m = std::max(b.half_m, joint);
   }
 }
 
@@ -255,7 +273,6 @@ void LineMaker::add_anchor(std::vector<Anchor>& to, glm::dvec2 p, double at_m, d
     anchor.grade = h.grade;
   }
   to.push_back(anchor);
-  anchor_at_m_.push_back(at_m);
   anchor_p_.push_back(p);
 }
 
@@ -276,7 +293,7 @@ std::vector<Anchor> LineMaker::anchors(const std::vector<Vertex>& v) {
                    kBulge * std::max(bend_in * glm::length(in), bend_out * glm::length(out)) <= kSmoothBulge_m &&
                    glm::length(in) >= 4 * bend_in * least_m && glm::length(out) >= 4 * bend_out * least_m;
   }
-  anchor_at_m_.clear();
+  vertex_anchors_.clear();
   anchor_p_.clear();
   std::vector<Anchor> all;
   // A dead end goes on with the bend, a cut as the junction has it.
@@ -286,10 +303,12 @@ std::vector<Anchor> LineMaker::anchors(const std::vector<Vertex>& v) {
     return straight ? chord : chord - std::remainder(smooth_heading[next] - chord, 2 * std::numbers::pi);
   };
   const EndView start_view(scene_, course_, false), end_view(scene_, course_, true);
+  vertex_anchors_.push_back({v[0].at_m, 0});
   add_anchor(all, v[0].p, v[0].at_m,
              plan_.joined_start ? heading(start_view.outward_of_cut(plan_.cut_start_m)) : end_heading(first, 1));
   for (std::size_t i = 1; i + 1 < n; ++i) {
     if (is_smooth[i]) {
+      vertex_anchors_.push_back({v[i].at_m, all.size()});
       add_anchor(all, v[i].p, v[i].at_m, smooth_heading[i]);
       continue;
     }
@@ -303,11 +322,13 @@ std::vector<Anchor> LineMaker::anchors(const std::vector<Vertex>& v) {
         {radius * std::tan(half_turn), share(i - 1, glm::length(leg(i - 1))), share(i + 1, glm::length(leg(i)))});
     add_anchor(all, v[i].p - tangent * in, v[i].at_m - tangent, heading(in));
     if (v[i].keep || std::abs(turn_at[i]) > kArcTurn_rad) {
+      vertex_anchors_.push_back({v[i].at_m, all.size()});
       const glm::dvec2 middle = v[i].p + tangent * std::tan(0.5 * half_turn) * glm::normalize(out - in);
       add_anchor(all, middle, v[i].at_m, heading(in + out));
     }
     add_anchor(all, v[i].p + tangent * out, v[i].at_m + tangent, heading(out));
   }
+  vertex_anchors_.push_back({v[n - 1].at_m, all.size()});
   add_anchor(all, v[n - 1].p, v[n - 1].at_m,
              plan_.joined_end ? heading(-end_view.outward_of_cut(plan_.cut_end_m)) : end_heading(last, n - 2));
   return all;
@@ -355,9 +376,12 @@ Result<Road> LineMaker::whole_road() {
   return road;
 }
 
+// The anchor of the vertex there.
 std::size_t LineMaker::anchor_near(double at_m) const {
-  const auto next = std::lower_bound(anchor_at_m_.begin(), anchor_at_m_.end(), at_m - 1e-6);
-  return static_cast<std::size_t>(std::min(next, anchor_at_m_.end() - 1) - anchor_at_m_.begin());
+  const auto nearer = [&](const VertexAnchor& a, const VertexAnchor& b) {
+    return std::abs(a.at_m - at_m) < std::abs(b.at_m - at_m);
+  };
+  return std::min_element(vertex_anchors_.begin(), vertex_anchors_.end(), nearer)->anchor;
 }
 
 // The segment of the whole road that starts at a place along the course where an anchor is.
@@ -374,22 +398,28 @@ LineMaker::Range LineMaker::segments_of(const Road& whole, std::size_t part) con
           part + 1 == parts_.size() ? whole.segments.size() : segment_at(whole, parts_[part].end_m)};
 }
 
-// Makes the lanes of every part as narrow as its narrowest place.
+// Makes the lanes of every part as narrow as its narrowest place, and those that taper into one another alike.
 void LineMaker::narrow_parts(const Road& whole) {
+  std::vector<double> factor(parts_.size(), 1);
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    Part& part = parts_[i];
-    double least = part.half_m;
+    double least = parts_[i].half_m;
     const Range range = segments_of(whole, i);
     for (std::size_t k = range.begin; k < range.end; ++k) {
       least = std::min(least, whole.segments[k].left_m.range(whole.segments[k].arc_m).low);
     }
-    if (least >= part.half_m) continue;
-    const double factor = 0.97 * least / part.half_m;
-    part.factor *= factor;
-    part.half_m *= factor;
-    part.section.offset_m.c0 *= factor;
+    if (least < parts_[i].half_m) factor[i] = 0.97 * least / parts_[i].half_m;
+    if (i > 0 && parts_[i].taper_start_m > 0) factor[i] = std::min(factor[i], factor[i - 1]);
+  }
+  for (std::size_t i = parts_.size() - 1; i-- > 0;) {
+    if (parts_[i].taper_end_m > 0) factor[i] = std::min(factor[i], factor[i + 1]);
+  }
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    Part& part = parts_[i];
+    part.factor *= factor[i];
+    part.half_m *= factor[i];
+    part.section.offset_m.c0 *= factor[i];
     for (auto* side : {&part.section.left, &part.section.right}) {
-      for (Lane& lane : *side) lane.width_m.c0 *= factor;
+      for (Lane& lane : *side) lane.width_m.c0 *= factor[i];
     }
   }
 }
@@ -411,7 +441,7 @@ LaneSection LineMaker::tapered(const Part& part, const Part* before, const Part*
     const std::vector<double> widths = joint_widths(lanes, others);
     for (std::size_t i = 0; i < lanes.size(); ++i) lanes[i].width_m = taper(widths[i], lanes[i].width_m.c0);
   };
-  section.offset_m = taper(0.5 * (section.offset_m.c0 + other.section.offset_m.c0), section.offset_m.c0);
+  section.offset_m = taper(joint_offset_m(section, other.section), section.offset_m.c0);
   side(section.left, other.section.left);
   side(section.right, other.section.right);
   return section;
@@ -504,7 +534,7 @@ Result<LineRoads> LineMaker::run() {
       if (course_.at_m[k] > parts_[i].start_m && course_.at_m[k] < parts_[i].end_m) add(course_.at_m[k]);
     }
     add(parts_[i].end_m);
-    made.certificates.push_back(certify(*road, samples, anchor_at_m_.size()));
+    made.certificates.push_back(certify(*road, samples, anchor_p_.size()));
     made.certificates.back().id = road->id;
     made.roads.push_back(std::move(*road));
   }
