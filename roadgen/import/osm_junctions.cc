@@ -24,7 +24,12 @@ constexpr double kLongestGore_m = 80;       // from the node
 constexpr double kStraight_rad = kPi / 12;  // what goes on with less of a turn has no corner
 // A line longer than this stays, whatever its ends ask for.
 constexpr double kLongestVanishing_m = 30;
-constexpr int kMostMergings = 12, kMostTries = 7;
+constexpr int kMostMergings = 12;
+// What cuts are tried, as parts of those asked for.
+constexpr double kTries[] = {1, 1.3, 1.7, 2.2, 0.75, 0.5};
+constexpr double kMostGrowth_m = 30;
+constexpr double kCoverStep_m = 6;   // between places where an area is looked at
+constexpr double kLeastCover = 0.5;  // of a carriageway's half that the area must hold
 constexpr std::size_t kChunk = 512;
 
 glm::dvec2 left_of(glm::dvec2 d) { return {-d.y, d.x}; }
@@ -257,31 +262,73 @@ void Placer::settle() {
   }
 }
 
+// Whether the area holds what was cut off the lines, with room beside it: arms whose cuts lie far out along bends may
+// have areas that leave the road or pinch it.
+bool covers(const OsmScene& scene, const std::vector<Arm>& arms, const std::vector<double>& cut, const Junction& area) {
+  std::vector<std::pair<glm::dvec2, glm::dvec2>> edges, kerbs;
+  for (std::size_t i = 0; i < area.corners.size(); ++i) {
+    glm::dvec2 last = cut_point_m(area.arms[i], area.arms[i].left_m);
+    const auto add = [&](glm::dvec2 p, bool is_kerb) {
+      edges.emplace_back(last, p);
+      if (is_kerb) kerbs.emplace_back(last, p);
+      last = p;
+    };
+    add(area.corners[i].front().start_m, false);
+    for (const Segment& segment : area.corners[i]) {
+      add(position_m(segment, 0.5), true);
+      add(segment.end_m, true);
+    }
+  }
+  const auto is_inside = [&](glm::dvec2 p) {
+    bool inside = false;
+    for (const auto& [a, b] : edges) {
+      if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;
+    }
+    return inside;
+  };
+  const auto room = [&](glm::dvec2 p) {
+    double least = 1e9;
+    for (const auto& [a, b] : kerbs) {
+      const glm::dvec2 d = b - a;
+      const double part = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
+      least = std::min(least, glm::length(p - a - part * d));
+    }
+    return least;
+  };
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    const EndView v = view(scene, arms[i]);
+    for (double x = cut[i] - kCoverStep_m; x > kCoverStep_m; x -= kCoverStep_m) {
+      const EndView::Widths widths = v.widths_at(x);
+      const glm::dvec2 p = v.point_at(x);
+      if (!is_inside(p) || room(p) < kLeastCover * std::min(widths.left_m, widths.right_m)) return false;
+    }
+  }
+  return true;
+}
+
 bool Placer::try_one(OsmJunction& junction, std::string& why) {
   const std::vector<Arm> arms = arms_of(junction);
-  std::vector<double> cut;
-  for (const Arm& arm : arms) cut.push_back(made_.cut_m[arm.end]);
-  for (int attempt = 0; attempt < kMostTries; ++attempt) {
+  std::vector<double> cut(arms.size());
+  for (const double factor : kTries) {
+    bool is_new = factor == 1;
     std::vector<JunctionArm> level;
     for (std::size_t i = 0; i < arms.size(); ++i) {
+      const double settled = made_.cut_m[arms[i].end];
+      const double tried =
+          std::min<double>(factor * settled, std::min<double>(settled + kMostGrowth_m, limit_m_[arms[i].end]));
+      is_new = is_new || std::abs(tried - settled) > 0.01;
+      cut[i] = tried;
       level.push_back(level_arm(view(scene_, arms[i]), cut[i]));
-      level.back().road =
-          std::to_string(scene_.data.ways[scene_.graph.pieces_of(scene_.graph.lines[line_of(arms[i].end)])[0].way].id);
+      level.back().road = std::to_string(scene_.data.ways[arms[i].course.pieces[0].way].id);
       level.back().at_end = is_at_end(arms[i].end);
     }
+    if (!is_new) continue;
     const Result<Junction> made = make_junction("", std::move(level), {.corner_radius_m = junction.radius_m});
-    if (made) {
+    if (made && covers(scene_, arms, cut, *made)) {
       for (std::size_t i = 0; i < arms.size(); ++i) made_.cut_m[arms[i].end] = cut[i];
       return true;
     }
-    why = made.error().message;
-    bool grown = false;
-    for (std::size_t i = 0; i < arms.size(); ++i) {
-      const double more = std::min<double>(1.3 * cut[i] + 0.5, limit_m_[arms[i].end]);
-      grown = grown || more > cut[i] + 0.01;
-      cut[i] = std::max(cut[i], more);
-    }
-    if (!grown) return false;
+    if (why.empty()) why = made ? std::string("the roads bend too much on their way to it") : made.error().message;
   }
   return false;
 }
