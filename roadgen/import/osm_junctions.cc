@@ -28,8 +28,8 @@ constexpr int kMostMergings = 12;
 // What cuts are tried, as parts of those asked for.
 constexpr double kTries[] = {1, 1.3, 1.7, 2.2, 0.75, 0.5};
 constexpr double kMostGrowth_m = 30;
-constexpr double kCoverStep_m = 6;   // between places where an area is looked at
-constexpr double kLeastCover = 0.5;  // of a carriageway's half that the area must hold
+constexpr double kCoverStep_m = 6;    // between places where an area is looked at
+constexpr double kLeastCover = 0.25;  // of a carriageway's half that the area must hold
 constexpr std::size_t kChunk = 512;
 
 glm::dvec2 left_of(glm::dvec2 d) { return {-d.y, d.x}; }
@@ -52,11 +52,13 @@ struct PairCut {
 // Where two lines that part are so far apart that a nose fits between their carriageways, side by side.
 PairCut gore_cut(const EndView& a, const EndView& b) {
   const double most_a = std::min(kLongestGore_m, a.length_m()), most_b = std::min(kLongestGore_m, b.length_m());
-  const glm::dvec2 ahead = a.outward_at(kLeastCut_m) + b.outward_at(kLeastCut_m);
   PairCut cut{kLeastCut_m, kLeastCut_m};
   constexpr double kStep_m = 0.5;
   while (cut.first_m < most_a && cut.second_m < most_b) {
+    const glm::dvec2 ahead = a.outward_of_cut(cut.first_m) + b.outward_of_cut(cut.second_m);
     const glm::dvec2 apart = a.point_at(cut.first_m) - b.point_at(cut.second_m);
+    // Lines that turn against one another have parted.
+    if (glm::length(ahead) < 0.5) break;
     const double before = glm::dot(apart, ahead) / glm::length(ahead);
     const double needed = a.widths_at(cut.first_m).left_m + b.widths_at(cut.second_m).right_m + kGoreNose_m;
     const double beside = std::sqrt(std::max(0.0, glm::dot(apart, apart) - before * before));
