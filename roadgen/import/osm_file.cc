@@ -17,14 +17,29 @@ constexpr OsmLocation kNowhere{osmium::Location::undefined_coordinate, osmium::L
 
 std::string way_name(std::int64_t id) { return "way " + std::to_string(id); }
 
-// The file's objects of one kind, one after the other. Throws what libosmium throws.
-template <class Object, class Visit>
-void for_each(const std::string& path, osmium::osm_entity_bits::type kind, const Visit& visit) {
-  osmium::io::Reader reader(osmium::io::File(path), kind, osmium::io::read_meta::no);
+// A file of at most this size is read in one pass, all its nodes kept; a larger one in two.
+constexpr std::uintmax_t kOnePass_bytes = 32 << 20;
+
+// The file's objects of the given kinds, one after the other. Throws what libosmium throws.
+template <class Visit>
+void for_each(const std::string& path, osmium::osm_entity_bits::type kinds, const Visit& visit) {
+  osmium::io::Reader reader(osmium::io::File(path), kinds, osmium::io::read_meta::no);
   while (const osmium::memory::Buffer buffer = reader.read()) {
-    for (const Object& object : buffer.select<Object>()) visit(object);
+    for (const osmium::OSMObject& object : buffer.select<osmium::OSMObject>()) visit(object);
   }
   reader.close();
+}
+
+struct PlacedNode {
+  std::int64_t id;
+  OsmLocation at;
+};
+
+// kNowhere where it is deleted or not on the Earth.
+PlacedNode placed(const osmium::OSMObject& object) {
+  const auto& node = static_cast<const osmium::Node&>(object);
+  if (!node.visible() || !node.location().valid()) return {node.id(), kNowhere};
+  return {node.id(), {node.location().x(), node.location().y()}};
 }
 
 class OsmReader {
@@ -33,8 +48,10 @@ class OsmReader {
   Result<OsmData> run();
 
  private:
-  void read_ways();
-  void read_nodes();
+  void read_all();
+  void take_way(const osmium::Way& way);
+  void want_nodes();
+  void take_node(const PlacedNode& node);
   void resolve();
   void take_part(const OsmWay& way, std::size_t begin, std::size_t end);
 
@@ -43,67 +60,89 @@ class OsmReader {
   OsmData data_;
   std::vector<OsmWay> ways_;        // as in the file: first and count of refs_
   std::vector<std::int64_t> refs_;  // ids of nodes
+  std::unordered_map<std::string, std::uint32_t> names_;
+  std::unordered_set<std::int64_t> seen_;  // ways
+  std::size_t next_ = 0;                   // of node_ids: files are sorted by id as a rule, so the next one is near
 };
 
-void OsmReader::read_ways() {
-  std::unordered_map<std::string, std::uint32_t> names;
-  std::unordered_set<std::int64_t> seen;
-  data_.names.emplace_back();
-  for_each<osmium::Way>(path_, osmium::osm_entity_bits::way, [&](const osmium::Way& way) {
-    const osmium::TagList& list = way.tags();
-    if (!way.visible() || !list.has_key("highway")) return;
-    ParsedTags parsed = parse_tags([&](const char* key) { return list.get_value_by_key(key); });
-    if (!parsed.drivable) return;
-    if (!seen.insert(way.id()).second) {
-      findings_.add(Severity::kWarning, "ways that occur twice", way_name(way.id()),
-                    "occurs twice: the first one holds");
-      return;
-    }
-    for (const std::string& fault : parsed.faults) {
-      findings_.add(Severity::kWarning, "tags without sense", way_name(way.id()), fault + ": the default holds");
-    }
-    OsmWay kept{way.id(), parsed.tags, static_cast<std::uint32_t>(refs_.size()), 0};
-    if (const char* name = list.get_value_by_key("name")) {
-      const auto [at, is_new] = names.try_emplace(name, static_cast<std::uint32_t>(data_.names.size()));
-      if (is_new) data_.names.emplace_back(name);
-      kept.tags.name = at->second;
-    }
-    for (const osmium::NodeRef& ref : way.nodes()) {
-      if (refs_.size() > kept.first && refs_.back() == ref.ref()) continue;
-      refs_.push_back(ref.ref());
-    }
-    if (refs_.size() > 0xFFFFFFF0u) throw std::length_error("more than 4e9 nodes of ways");
-    if (parsed.reversed) std::reverse(refs_.begin() + kept.first, refs_.end());
-    kept.count = static_cast<std::uint32_t>(refs_.size()) - kept.first;
-    ways_.push_back(kept);
-  });
+void OsmReader::take_way(const osmium::Way& way) {
+  const osmium::TagList& list = way.tags();
+  if (!way.visible() || !list.has_key("highway")) return;
+  ParsedTags parsed = parse_tags([&](const char* key) { return list.get_value_by_key(key); });
+  if (!parsed.drivable) return;
+  if (!seen_.insert(way.id()).second) {
+    findings_.add(Severity::kWarning, "ways that occur twice", way_name(way.id()), "occurs twice: the first one holds");
+    return;
+  }
+  for (const std::string& fault : parsed.faults) {
+    findings_.add(Severity::kWarning, "tags without sense", way_name(way.id()), fault + ": the default holds");
+  }
+  OsmWay kept{way.id(), parsed.tags, static_cast<std::uint32_t>(refs_.size()), 0};
+  if (const char* name = list.get_value_by_key("name")) {
+    const auto [at, is_new] = names_.try_emplace(name, static_cast<std::uint32_t>(data_.names.size()));
+    if (is_new) data_.names.emplace_back(name);
+    kept.tags.name = at->second;
+  }
+  for (const osmium::NodeRef& ref : way.nodes()) {
+    if (refs_.size() > kept.first && refs_.back() == ref.ref()) continue;
+    refs_.push_back(ref.ref());
+  }
+  if (refs_.size() > 0xFFFFFFF0u) throw std::length_error("more than 4e9 nodes of ways");
+  if (parsed.reversed) std::reverse(refs_.begin() + kept.first, refs_.end());
+  kept.count = static_cast<std::uint32_t>(refs_.size()) - kept.first;
+  ways_.push_back(kept);
 }
 
-void OsmReader::read_nodes() {
+void OsmReader::want_nodes() {
+  names_ = {};
+  seen_ = {};
   std::vector<std::int64_t>& ids = data_.node_ids;
   ids = refs_;
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   ids.shrink_to_fit();
   data_.locations.assign(ids.size(), kNowhere);
-  // Files are sorted by id as a rule: the next one is near.
-  std::size_t at = 0;
-  for_each<osmium::Node>(path_, osmium::osm_entity_bits::node, [&](const osmium::Node& node) {
-    if (at < ids.size() && ids[at] < node.id()) ++at;
-    if (at == ids.size() || ids[at] != node.id()) {
-      if (at < ids.size() && at > 0 && ids[at - 1] < node.id() && node.id() < ids[at]) return;
-      at = static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), node.id()) - ids.begin());
-      if (at == ids.size() || ids[at] != node.id()) return;
+}
+
+void OsmReader::take_node(const PlacedNode& node) {
+  const std::vector<std::int64_t>& ids = data_.node_ids;
+  if (next_ < ids.size() && ids[next_] < node.id) ++next_;
+  if (next_ == ids.size() || ids[next_] != node.id) {
+    if (next_ < ids.size() && next_ > 0 && ids[next_ - 1] < node.id && node.id < ids[next_]) return;
+    next_ = static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), node.id) - ids.begin());
+    if (next_ == ids.size() || ids[next_] != node.id) return;
+  }
+  OsmLocation& place = data_.locations[next_];
+  if (node.at.longitude == kNowhere.longitude) return;
+  if (place.longitude == kNowhere.longitude) {
+    place = node.at;
+    return;
+  }
+  findings_.add(Severity::kWarning, "nodes that occur twice", "node " + std::to_string(node.id),
+                "occurs twice: the first one holds");
+}
+
+void OsmReader::read_all() {
+  using osmium::osm_entity_bits::node;
+  using osmium::osm_entity_bits::way;
+  data_.names.emplace_back();
+  const auto take = [&](const osmium::OSMObject& object) { take_way(static_cast<const osmium::Way&>(object)); };
+  if (std::filesystem::file_size(path_) > kOnePass_bytes) {
+    for_each(path_, way, take);
+    want_nodes();
+    for_each(path_, node, [&](const osmium::OSMObject& object) { take_node(placed(object)); });
+    return;
+  }
+  std::vector<PlacedNode> nodes;
+  for_each(path_, node | way, [&](const osmium::OSMObject& object) {
+    if (object.type() == osmium::item_type::way) {
+      take(object);
+    } else {
+      nodes.push_back(placed(object));
     }
-    OsmLocation& place = data_.locations[at];
-    if (!node.visible() || !node.location().valid()) return;
-    if (place.longitude != kNowhere.longitude) {
-      findings_.add(Severity::kWarning, "nodes that occur twice", "node " + std::to_string(node.id()),
-                    "occurs twice: the first one holds");
-      return;
-    }
-    place = {node.location().x(), node.location().y()};
   });
+  want_nodes();
+  for (const PlacedNode& one : nodes) take_node(one);
 }
 
 // The part of a way between missing nodes.
@@ -159,8 +198,7 @@ Result<OsmData> OsmReader::run() {
     return Error{ErrorCode::kIo, "is a folder; name a file in it", path_};
   }
   try {
-    read_ways();
-    read_nodes();
+    read_all();
   } catch (const std::exception& fault) {
     std::string what = fault.what();
     std::replace(what.begin(), what.end(), '\n', ' ');

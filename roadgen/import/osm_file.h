@@ -57,11 +57,11 @@ struct OsmData {
 // Whether the name's ending is one of an OSM file: .osm, .osm.gz, .osm.bz2, .osm.pbf, .pbf.
 bool is_osm_file(const std::string& path);
 
-// Reads a file in two passes: ways, then the nodes that they need, so memory is proportional to what is kept.
+// Reads a large file in two passes, ways and then the nodes that they need, so memory is proportional to what is kept.
 // Findings: nodes that the file lacks or whose place is not on the Earth (the way is cut there), ways of fewer than two
 // nodes, ids that occur twice (the first one holds), tags that make no sense.
 // Errors: kIo; kParse where the file is broken; kData where it holds no way to drive on.
-// Cost: two parses; about 40 bytes of memory a node kept.
+// Cost: one parse up to 32 MB, else two; about 40 bytes of memory a node kept.
 Result<OsmData> read_osm(const std::string& path, ElementFindings& findings);
 
 }  // namespace roadgen

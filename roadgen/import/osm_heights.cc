@@ -371,8 +371,8 @@ HeightProfile HeightFinder::profile(std::uint32_t line) const {
 std::vector<HeightProfile> HeightFinder::run() {
   find_crossings();
   const std::size_t lines = scene_.graph.lines.size();
+  if (crossings_.empty()) return {};
   std::vector<HeightProfile> profiles(lines);
-  if (crossings_.empty()) return profiles;
   Course course;
   for (const OsmLine& line : scene_.graph.lines) {
     load_course(scene_, line, course);

@@ -105,7 +105,7 @@ LinePlan OsmImport::plan_of(std::size_t i, const Course& course) const {
   plan.cut_end_m = junctions_.cut_m[2 * i + 1];
   plan.joined_start = plan.cut_start_m > 0;
   plan.joined_end = plan.cut_end_m > 0;
-  plan.heights = heights_[i].at_m.empty() ? nullptr : &heights_[i];
+  plan.heights = heights_.empty() || heights_[i].at_m.empty() ? nullptr : &heights_[i];
   for (const OsmPiece& piece : course.pieces) {
     const auto same = [&](const OsmPiece& p) { return p.way == piece.way && p.first == piece.first; };
     const auto at = std::find_if(graph_.pieces.begin() + line.first_piece, graph_.pieces.end(), same);

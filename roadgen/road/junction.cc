@@ -17,6 +17,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kGreatestTurn_rad = kPi / 6;  // of one piece
 constexpr double kBend_rad = kPi / 6;          // a corner that turns by more has a circular arc between straights
 constexpr double kLeastStraight_m = 0.05;      // shorter ones become part of the arc
+constexpr double kNoStraight_m = 1e-3;         // shorter ones still are none: the arc's last cubic takes them up
 constexpr double kMappedBand_m = 0.5;          // half width of the pieces as segments: what is certified
 
 double wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
@@ -133,7 +134,7 @@ std::optional<Curve> bend_curve(const CornerEnds& ends, double radius_m) {
   }
   const bool straight_on = behind - tangent > kLeastStraight_m;
   const Node arrival = straight_on ? Node{ends.to.p - (behind - tangent) * q, ends.to.heading_rad} : ends.to;
-  const auto is_whole = [&](double straight) { return straight > kLeastStraight_m || straight == 0; };
+  const auto is_whole = [](double straight) { return straight > kLeastStraight_m || straight < kNoStraight_m; };
   if (is_whole(ahead - tangent) && is_whole(behind - tangent)) {
     append_arc(curve.nodes, arrival.p);
     curve.nodes.back() = arrival;

@@ -37,6 +37,7 @@ Run run(const std::vector<std::string>& command) {
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   const auto start = std::chrono::steady_clock::now();
+  std::fflush(nullptr);
   const pid_t child = fork();
   if (child == 0) {
     (void)!std::freopen("/dev/null", "w", stdout);
