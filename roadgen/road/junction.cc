@@ -15,10 +15,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kGreatestTurn_rad = kPi / 6;  // of one piece
-constexpr double kBend_rad = kPi / 6;          // a corner that turns by more has a circular arc between straights
-constexpr double kLeastStraight_m = 0.05;      // shorter ones become part of the arc
-constexpr double kNoStraight_m = 1e-3;         // shorter ones still are none: the arc's last cubic takes them up
-constexpr double kMappedBand_m = 0.5;          // half width of the pieces as segments: what is certified
+constexpr double kTurnOver = 0.03;         // part of it that an arc may turn more than its pieces: near right angles
+constexpr double kBend_rad = kPi / 6;      // a corner that turns by more has a circular arc between straights
+constexpr double kLeastStraight_m = 0.05;  // shorter ones become part of the arc
+constexpr double kNoStraight_m = 1e-3;     // still shorter ones are none: the arc's last cubic takes them up
+constexpr double kMappedBand_m = 0.5;      // half width of the pieces as segments: what is certified
 
 double wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
 glm::dvec2 direction(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
@@ -63,7 +64,7 @@ double chord_angle(const Node& node, glm::dvec2 q) {
 void append_arc(std::vector<Node>& nodes, glm::dvec2 end) {
   const Node start = nodes.back();
   const double half_turn = chord_angle(start, end), length = glm::length(end - start.p);
-  const int pieces = std::max(1, static_cast<int>(std::ceil(2 * std::abs(half_turn) / kGreatestTurn_rad - 1e-9)));
+  const int pieces = std::max(1, static_cast<int>(std::ceil(2 * std::abs(half_turn) / kGreatestTurn_rad - kTurnOver)));
   const double turn = 2 * half_turn / pieces;
   const double chord = pieces == 1 ? length : length * std::sin(turn / 2) / std::sin(half_turn);
   for (int i = 1; i < pieces; ++i) {
@@ -187,6 +188,7 @@ CornerProfile corner_profile(const JunctionArm& arm, const JunctionArm& next, gl
 
 std::vector<Segment> corner_segments(const JunctionArm& arm, const JunctionArm& next, const std::vector<Node>& nodes) {
   std::vector<Segment> segments;
+  segments.reserve(nodes.size() - 1);
   double length = 0;
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
     const double band = std::min(kMappedBand_m, 0.2 * glm::length(nodes[i + 1].p - nodes[i].p));
