@@ -105,6 +105,11 @@ LinePlan OsmImport::plan_of(std::size_t i, const Course& course) const {
   plan.cut_end_m = junctions_.cut_m[2 * i + 1];
   plan.joined_start = plan.cut_start_m > 0;
   plan.joined_end = plan.cut_end_m > 0;
+  const auto is_shared = [&](std::uint32_t node) {
+    return std::binary_search(graph_.nodes.begin(), graph_.nodes.end(), node);
+  };
+  plan.touches_start = !plan.joined_start && is_shared(line.node_start);
+  plan.touches_end = !plan.joined_end && is_shared(line.node_end);
   plan.heights = heights_.empty() || heights_[i].at_m.empty() ? nullptr : &heights_[i];
   for (const OsmPiece& piece : course.pieces) {
     const auto same = [&](const OsmPiece& p) { return p.way == piece.way && p.first == piece.first; };

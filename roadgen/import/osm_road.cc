@@ -18,6 +18,7 @@ constexpr double kLongestTaper_m = 30;
 constexpr double kLeastPiece_m = 0.05;  // between places where something changes
 constexpr int kMostNarrowings = 6;
 constexpr double kLeastStructure_m = 5;                // shorter bridges and tunnels have no rails and vaults
+constexpr double kRailFree_m = 80;                     // from where roads part without an area between them
 constexpr double kRailOff_m = 0.2, kWallOff_m = 0.75;  // beyond the edges
 constexpr double kArcTurn_rad = std::numbers::pi / 3;  // of one cubic of a corner
 // Points within the first of these of the straight line without them are left out; where no road can be, the next ones.
@@ -107,7 +108,7 @@ class LineMaker {
   Result<Road> whole_road();
   LaneSection tapered(const Part& part, const Part* before, const Part* after, double from_s, double to_s,
                       double length_m) const;
-  void add_structures(Road& road, const WayTags& of) const;
+  void add_structures(Road& road, const WayTags& of, std::size_t part) const;
   Result<Road> part_road(const Road& whole, std::size_t i);
 
   const OsmScene& scene_;
@@ -448,7 +449,7 @@ LaneSection LineMaker::tapered(const Part& part, const Part* before, const Part*
 }
 
 // Guard rails on bridges, a vault over tunnels.
-void LineMaker::add_structures(Road& road, const WayTags& of) const {
+void LineMaker::add_structures(Road& road, const WayTags& of, std::size_t part) const {
   const double length = road.length_m();
   if (length < kLeastStructure_m) return;
   double left = -1e300, right = 1e300;
@@ -458,8 +459,11 @@ void LineMaker::add_structures(Road& road, const WayTags& of) const {
   }
   std::vector<Sweep> wanted;
   if (of.bridge) {
+    // No rail across a road that this one still lies upon.
+    const double from = part == 0 && plan_.touches_start ? kRailFree_m : 0;
+    const double to = length - (part + 1 == parts_.size() && plan_.touches_end ? kRailFree_m : 0);
     for (const double t : {left + kRailOff_m, right - kRailOff_m}) {
-      wanted.push_back({.s_start_m = 0, .s_end_m = length, .t_m = t, .shape = GuardRail{}});
+      if (to > from) wanted.push_back({.s_start_m = from, .s_end_m = to, .t_m = t, .shape = GuardRail{}});
     }
   } else if (of.tunnel) {
     const double half = 0.5 * (left - right) + kWallOff_m;
@@ -508,7 +512,7 @@ Result<Road> LineMaker::part_road(const Road& whole, std::size_t i) {
                                from[k], to, length));
   }
   if (Status s = set_sections(road, std::move(sections)); !s) return s.error();
-  add_structures(road, of);
+  add_structures(road, of, i);
   return road;
 }
 

@@ -14,9 +14,10 @@ namespace roadgen {
 // What is to become roads: a line without what is cut off its ends.
 struct LinePlan {
   double cut_start_m = 0, cut_end_m = 0;
-  bool joined_start = false, joined_end = false;  // in the area of a junction
-  const HeightProfile* heights = nullptr;         // over the line's length; none: level at 0
-  std::vector<std::string> ids;                   // of the roads, should they begin with this piece
+  bool joined_start = false, joined_end = false;    // in the area of a junction
+  bool touches_start = false, touches_end = false;  // other roads, without an area
+  const HeightProfile* heights = nullptr;           // over the line's length; none: level at 0
+  std::vector<std::string> ids;                     // of the roads, should they begin with this piece
 };
 
 struct LineRoads {
