@@ -24,9 +24,9 @@ inline constexpr double kLevel_m = 5.5;
 // does not do, up to this one. A knot may be passed with half as much again.
 inline constexpr double kGreatestRamp = 0.12;
 
-// A profile for every line, or none at all where every road lies at 0. Where two lines cross without a common node and their layers differ, a tunnel goes down to
-// kLevel_m below the other or else a bridge up to kLevel_m above it: no more than that, level between two crossings of
-// one bridge or tunnel, with ramps that go on along all lines that meet it.
+// A profile for every line, or none at all where every road lies at 0. Where two lines cross without a common node and
+// their layers differ, a tunnel goes down to kLevel_m below the other or else a bridge up to kLevel_m above it: no more
+// than that, level between two crossings of one bridge or tunnel, with ramps that go on along all lines that meet it.
 // Findings: crossings of less than kLevel_m, where even kGreatestRamp does not do.
 // Cost: O(legs) and O(crossings log crossings) a round, kMostHeightRounds rounds.
 std::vector<HeightProfile> find_heights(const OsmScene& scene, ElementFindings& findings);

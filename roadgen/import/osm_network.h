@@ -17,8 +17,8 @@ namespace roadgen {
 // Certificates: the samples are the ways' nodes outside junction areas.
 // Findings name ways and nodes; see the parts of the import.
 // Errors: as read_osm; kData where no road comes about.
-// Cost: about 0.1 ms of one core and 6.5 kB a way of two blocks with a junction, on all cores; the result does not depend
-// on their number.
+// Cost: about 0.1 ms of one core and 6.5 kB of memory a way of two blocks with a junction, on all cores; the result does
+// not depend on their number.
 Result<ImportResult> import_osm(const std::string& path, const ImportOptions& options, const Progress& progress = {});
 
 }  // namespace roadgen
