@@ -8,7 +8,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 eye_phase;           // xy: eye modulo NOISE_PERIOD; zw: tangents of half the field of view, across and up
   vec4 forward;             // unit view axes in ENU; forward.w: near plane distance, m
   vec4 right;               // right.w: size of a pixel at distance 1
-  vec4 up;
+  vec4 up;                  // up.w: far plane distance, m
   vec4 sun;                 // unit direction toward the sun; w: haze range, m
   vec4 ground;              // x: lowest ground relative to the eye, m; y: 1 / relief, per m
 };

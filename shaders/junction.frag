@@ -57,7 +57,7 @@ struct Spot {
   vec3 step_x;     // change per pixel right and up
   vec3 step_y;
   float coverage;  // part of the pixel that lies within the area
-  float under_m;   // how far beyond its corners
+  bool under;      // beyond its corners, or on their edge
 };
 
 Spot spot_at(vec3 place, JunctionHeight h) {
@@ -70,13 +70,14 @@ Spot spot_at(vec3 place, JunctionHeight h) {
   spot.step_y = frame_footprint(spot.position, spot.normal, up.xyz);
   JunctionSide side = side_at(place.xy);
   float inside_m = junction_open_distance(side);
-  spot.under_m = max(-inside_m, 0.0);
+  vec2 n = vec2(side.nx, side.ny);
+  float ahead_m = dot(n, spot.step_x.xy), aside_m = dot(n, spot.step_y.xy);
+  spot.under = inside_m < 0.5 * (abs(ahead_m) + abs(aside_m));
   inside_m += headers[junction].phase.z;
 #ifdef CHANNELS
   spot.coverage = inside_m >= 0.0 ? 1.0 : 0.0;
 #else
-  vec2 n = vec2(side.nx, side.ny);
-  spot.coverage = filter_step(inside_m, dot(n, spot.step_x.xy), dot(n, spot.step_y.xy));
+  spot.coverage = filter_step(inside_m, ahead_m, aside_m);
 #endif
   return spot;
 }
@@ -178,9 +179,11 @@ vec3 albedo_at(Spot spot) {
     float part = 1.0 - smoothstep(0.0, 8.0, sqrt(ahead * ahead + beyond * beyond));
     if (!(part > 0.0)) continue;
     vec4 road = cut_rows[4u * (header.range.x + i) + 3u];
-    float wheel = exp(-pow(abs(abs(n - 0.5 * (n > 0.0 ? c.left : c.right)) - 0.8), 2.0) * 6.0);
+    float from_middle = n - 0.5 * (n > 0.0 ? c.left : c.right);
+    float width_t = dot(abs(left), width);
+    float wheel = material_wheel(from_middle - 0.5 * width_t, from_middle + 0.5 * width_t);
     albedo = mix(albedo, material_albedo(0, road.x + road.y * ahead, road.y * n, wheel, road.z,
-                                         dot(abs(left.yx), width), dot(abs(left), width)), part);
+                                         dot(abs(left.yx), width), width_t), part);
   }
   return albedo;
 }
@@ -218,6 +221,6 @@ void main() {
   depth -= 0.5 * (abs(dot(spot.step_x, forward.xyz)) + abs(dot(spot.step_y, forward.xyz)));
 #endif
   // Strips along the corners lie on it.
-  if (spot.under_m > 0.0) depth += 0.02;
+  if (spot.under && headers[junction].phase.z > 0.0) depth += 0.02;
   gl_FragDepth = forward.w / max(depth, forward.w);
 }

@@ -35,42 +35,65 @@ struct Spot {
   float s;        // from the segment's start
   float t;
   float h;        // above the road surface: the level's, but where the ray does not get there
-  float missed;   // what t would still change by until there, at most a pixel
   vec2 p;         // in the chord frame
   vec3 position;  // relative to the eye
   vec3 normal;
   vec2 left;      // unit, horizontal
+  float bend;     // metres of the plane per metre of s, at this t
+  float cosine;   // horizontal metres per metre of t
+  vec2 size;      // of the part of the pixel, pixels right and up
   vec2 t_step;    // change of t per pixel right and up; 0 for the data channels, which are taken at pixel centres
   vec2 s_step;
   vec2 w_step;    // relative change of 1 / depth, likewise
   bool on;        // false: the ray leaves the segment before or after
+  bool beyond;    // on: also over a joint
+  bool approaches;  // it leaves on its way to the surface
+  bool buried;      // it has met the road before the segment
+  bool crest;       // parts of the pixel may pass over a crest that others meet
 };
 
-Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, vec3 position) {
+// Part of the pixel: its middle from the pixel's, and its size, both in pixels right and up.
+struct Part {
+  vec2 at;
+  vec2 size;
+  bool beyond;  // what lies beyond the segment's joints is taken as if it went on
+};
+
+// Sets the changes per pixel.
+void spread(inout Spot spot) {
+#ifdef CHANNELS
+  spot.t_step = spot.s_step = spot.w_step = vec2(0.0);
+#else
+  vec3 step_x = frame_footprint(spot.position, spot.normal, right.xyz) * spot.size.x;
+  vec3 step_y = frame_footprint(spot.position, spot.normal, up.xyz) * spot.size.y;
+  vec2 ahead = vec2(spot.left.y, -spot.left.x);
+  spot.t_step = vec2(dot(spot.left, step_x.xy), dot(spot.left, step_y.xy)) / spot.cosine;
+  spot.s_step = vec2(dot(ahead, step_x.xy), dot(ahead, step_y.xy)) / spot.bend;
+  spot.w_step = -vec2(dot(forward.xyz, step_x), dot(forward.xyz, step_y)) / max(dot(forward.xyz, spot.position), 1e-3);
+#endif
+}
+
+Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, float s, vec3 position, vec2 size) {
   Spot spot;
-  spot.h = spot.missed = 0.0;
+  spot.h = 0.0;
   spot.p = p;
   spot.position = position;
   spot.on = true;
+  spot.approaches = spot.buried = spot.crest = false;
   // Clamped before any use: lanes that end in a discard may hold anything.
-  spot.s = clamp(surface_arc(c.u, r), 0.0, r.arc);
+  spot.s = clamp(s, -r.arc, 2.0 * r.arc);
   float n = clamp(c.v * r.chord, -1e3, 1e3);
-  SurfaceSlope slope = surface_at(spot.s, n, r);
+  SurfaceSlope slope = surface_beyond(spot.s, n, r);
   spot.t = n / slope.cosine;
   float df = road_df(c.u, r.a, r.b);
   vec2 tangent = normalize(axis + vec2(-axis.y, axis.x) * df);
   spot.left = vec2(-tangent.y, tangent.x);
   float bend = max(1.0 - c.v * road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5), 0.05);
   spot.normal = normalize(vec3(-slope.ahead / bend * tangent - slope.aside * spot.left, 1.0));
-#ifdef CHANNELS
-  spot.t_step = spot.s_step = spot.w_step = vec2(0.0);
-#else
-  vec3 step_x = frame_footprint(position, spot.normal, right.xyz);
-  vec3 step_y = frame_footprint(position, spot.normal, up.xyz);
-  spot.t_step = vec2(dot(spot.left, step_x.xy), dot(spot.left, step_y.xy)) / slope.cosine;
-  spot.s_step = vec2(dot(tangent, step_x.xy), dot(tangent, step_y.xy)) / bend;
-  spot.w_step = -vec2(dot(forward.xyz, step_x), dot(forward.xyz, step_y)) / max(dot(forward.xyz, position), 1e-3);
-#endif
+  spot.bend = bend;
+  spot.cosine = slope.cosine;
+  spot.size = size;
+  spread(spot);
   return spot;
 }
 
@@ -94,31 +117,29 @@ void clip_interval(inout vec2 k, float value, float slope) {
 
 // The eye ray in chord axes (z in metres), and the part of it over this segment.
 struct Ray {
+  vec3 start;   // m
   vec3 from;
   vec3 toward;
-  vec3 along;  // unit, metres
-  vec2 k;      // m from `point`; empty where k.x > k.y
-  float reach; // of `point` from the eye
+  vec3 along;   // unit, metres
+  float reach;  // of `start` from the eye
+  vec2 k;       // m from `start`; empty where k.x > k.y
+  vec2 wide;    // as far as the surface is continued over the joints, for what shares a pixel with the segment
 };
 
-Ray eye_ray(RoadSurface r) {
+// at: pixels right and up of the pixel's centre.
+Ray eye_ray(RoadSurface r, vec2 at) {
   Ray ray;
-  ray.along = point - eye;
+  float depth = dot(relative, forward.xyz);
+  vec3 aside = right.w * depth * (at.x * right.xyz + at.y * up.xyz);
+  ray.start = point + vec3(dot(aside.xy, axis), aside.y * axis.x - aside.x * axis.y, aside.z);
+  ray.along = ray.start - eye;
   ray.reach = length(ray.along);
   ray.along /= ray.reach;
-  ray.from = vec3(point.xy / r.chord, point.z);
+  ray.from = vec3(ray.start.xy / r.chord, ray.start.z);
   ray.toward = vec3(ray.along.xy / r.chord, ray.along.z);
-  // Between the joints' lines, which run through the anchors across the tangents (beyond them a neighbour takes over;
-  // they overlap by a millimetre; open ends have room for their antialiased edge), and within the segment's width and
-  // range about its chord's plane.
-  float hair = 1e-3 / r.chord;
-  float room = (box.y - box.x) * 0.5;
-  float before = (ids.w & kOpenStart) != 0u ? room : hair;
-  float behind = (ids.w & kOpenEnd) != 0u ? room : hair;
   // From the near plane on, as the quads of planar segments are clipped.
-  ray.k = vec2(ray.reach * (forward.w / max(dot(relative, forward.xyz), 1e-6) - 1.0), 1e6);
-  clip_interval(ray.k, ray.from.x + r.a * ray.from.y + before, ray.toward.x + r.a * ray.toward.y);
-  clip_interval(ray.k, 1.0 - ray.from.x - r.b * ray.from.y + behind, -ray.toward.x - r.b * ray.toward.y);
+  ray.k = vec2(ray.reach * (forward.w / max(depth, 1e-6) - 1.0), 1e6);
+  // Within the segment's width and range about its chord's plane.
   clip_interval(ray.k, ray.from.y - box.x, ray.toward.y);
   clip_interval(ray.k, box.y - ray.from.y, -ray.toward.y);
   float rise = road_cubic(r.arc, 0.0, r.z1, r.z2, r.z3);
@@ -126,56 +147,124 @@ Ray eye_ray(RoadSurface r) {
   float climb = ray.toward.z - rise * ray.toward.x;
   clip_interval(ray.k, above - box.z, climb);
   clip_interval(ray.k, box.w - above, -climb);
+  // Between the joints' lines, which run through the anchors across the tangents (beyond them a neighbour takes over;
+  // they overlap by a millimetre; open ends have room for their antialiased edge).
+  float hair = 1e-3 / r.chord;
+  float room = (box.y - box.x) * 0.5;
+  float x0 = ray.from.x + r.a * ray.from.y;
+  float x1 = 1.0 - ray.from.x - r.b * ray.from.y;
+  vec2 ends = vec2(ray.toward.x + r.a * ray.toward.y, -ray.toward.x - r.b * ray.toward.y);
+  ray.wide = ray.k;
+  clip_interval(ray.wide, x0 + 1.2, ends.x);
+  clip_interval(ray.wide, x1 + 1.2, ends.y);
+  clip_interval(ray.k, x0 + ((ids.w & kOpenStart) != 0u ? room : hair), ends.x);
+  clip_interval(ray.k, x1 + ((ids.w & kOpenEnd) != 0u ? room : hair), ends.y);
   return ray;
 }
 
-// Where the ray meets the surface raised by lift.
-Spot intersect(RoadSurface r, Ray ray, float lift) {
+// Does the ray meet the road back_k before `start`?
+bool comes_over(RoadSurface r, RoadHit start, float back_k, vec3 toward) {
+  float df = road_df(start.u, r.a, r.b);
+  float t = r.chord * (start.v - back_k * (toward.y - df * toward.x) / sqrt(1.0 + df * df));
+  return t > section_border(ids.y, 0, height.w) &&
+         t < section_border(ids.y, int(section_row(ids.y).x) - 1, height.w);
+}
+
+// Is the ray, where it comes over the joint at `start`, less than a pixel and a half below the surface?
+bool just_under(Ray ray, RoadHit start, float above, float pixel) {
+  return above < 0.0 && above > -1.5 * pixel * (ray.reach + start.k) && ray.k.x > ray.wide.x;
+}
+
+// Where the ray meets the surface raised by lift; beyond: also over the joints.
+Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   vec3 from = ray.from - vec3(0.0, 0.0, lift);
   vec3 toward = ray.toward;
-  vec2 k = ray.k;
+  vec2 k = ray.wide;
   // A thousandth of a pixel, or half a millimetre.
   float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
-  float limit = max(section_border(ids.y, int(section_rows[ids.y].x) - 1, height.w), -section_border(ids.y, 0, height.w));
+  float limit = max(section_border(ids.y, int(section_row(ids.y).x) - 1, height.w), -section_border(ids.y, 0, height.w));
   RoadHit hit = surface_find(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit, r);
-  // Rays that touch a crest come no nearer; those that leave over a joint may meet the neighbour.
+  // Rays that touch a crest come no nearer.
   bool on = hit.residual <= (hit.k > k.x && hit.k < k.y ? 10.0 : 1.0) * tolerance;
   float above = 0.0;
-  float shift = 0.0;
+  bool approaches = false;
+  bool buried = false;
+  bool crest = false;
+  float before;
+  float before_climb;
+  float pixel = right.w * (abs(right.z) + abs(up.z));
   if (!on) {
-    // It passes this level before the segment or after it: held at that end, and moved on across by what it would still
-    // go there, so that the pixels at a joint agree on both sides.
-    float first = surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, r);
-    float last = surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, r);
-    bool at_first = abs(first) < abs(last);
-    above = at_first ? first : last;
-    hit.k = at_first ? k.x : k.y;
-    hit.x = from.x + hit.k * toward.x;
-    hit.y = from.y + hit.k * toward.y;
-    RoadCoord end = road_project(hit.x, hit.y, r.a, r.b);
-    hit.u = end.u;
-    hit.v = end.v;
-    float back = hit.k + (at_first ? 0.1 : -0.1) * (k.y - k.x);
-    RoadCoord inside = road_project(from.x + back * toward.x, from.y + back * toward.y, r.a, r.b);
-    float climb = surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, back, r) - above;
-    shift = (inside.v - end.v) * r.chord * above / (abs(climb) < 1e-6 ? -1e-6 : climb);
+    RoadHit start = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, r, before, before_climb);
+    float side = before < 0.0 ? -1.0 : 1.0;
+    if (just_under(ray, start, before, pixel)) buried = comes_over(r, start, max(before / before_climb, 0.0), toward);
+    float last;
+    float last_climb;
+    RoadHit end = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.y, r, last, last_climb);
+    RoadHit nearest = abs(before) < abs(last) ? start : end;
+    float first_climb = before_climb;
+    if (side * first_climb < 0.0 && side * last_climb > 0.0) {
+      // Over a crest, or under a sag.
+      nearest = surface_nearest(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, ray.k.y, first_climb,
+                                last_climb, r);
+      first_climb = 0.0;
+    }
+    bool diverges = before > 0.0 && nearest.k == start.k && ray.k.x > ray.wide.x && first_climb > 0.0;
+    crest = !diverges && ray.k.x <= ray.k.y && r.chord * abs(nearest.v) < 1.5 * limit + 1.0 &&
+            min(abs(first_climb), abs(last_climb)) < 0.03 &&
+            nearest.residual < pixel * (ray.reach + nearest.k);
+    // Held at the end where it is nearer.
+    hit = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, r, above, first_climb);
+    end = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, r, last, last_climb);
+    approaches = above * (abs(above) < abs(last) ? first_climb : -last_climb) > 0.0;
+    if (abs(last) < abs(above)) {
+      hit = end;
+      above = last;
+    }
   }
-  vec3 place = point + hit.k * ray.along - eye;
+  vec3 place = ray.start + hit.k * ray.along - eye;
   RoadCoord c;
   c.u = hit.u;
   c.v = hit.v;
-  Spot spot = spot_at(r, vec2(hit.x, hit.y), c, vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z));
-  spot.on = on;
+  Spot spot = spot_at(r, vec2(hit.x, hit.y), c, hit.s,
+                      vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z), part.size);
+  float toward_it = abs(dot(spot.normal, ray.along)) / spot.normal.z;
+  // The place along the ray is known to within the tolerance of the height: neighbours overlap by that.
+  float slack = min(tolerance / max(toward_it, 1e-4), 1.0);
+  bool within = on && hit.k >= ray.k.x - slack && hit.k <= ray.k.y + slack;
+  // A ray that meets the surface from above within the segment has come from above it.
+  if (on && (hit.k <= ray.k.x || dot(spot.normal, ray.along) > 0.0)) {
+    RoadHit start = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, r, before, before_climb);
+    if (just_under(ray, start, before, pixel)) buried = comes_over(r, start, max(before / before_climb, 0.0), toward);
+  }
+#ifndef CHANNELS
+  if (within && toward_it < 0.1) {
+    // Does the surface bend away from the ray before the ray is a pixel deep, or within a pixel at its sides?
+    float deep = pixel * (ray.reach + hit.k);
+    float step = 2.0 * deep / max(toward_it, 1e-4);
+    float ahead = abs(surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, hit.k + step, r));
+    crest = ahead < deep && hit.k + step < ray.wide.y;
+    int last = int(section_row(ids.y).x) - 1;
+    float away = min(abs(spot.t - section_border(ids.y, 0, height.w + spot.s)),
+                     abs(spot.t - section_border(ids.y, last, height.w + spot.s)));
+    if (!crest && away < 1.5 * (abs(spot.t_step.x) + abs(spot.t_step.y))) {
+      float back = abs(surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, hit.k - step, r));
+      crest = max(abs(ahead - 2.0 * deep), abs(back - 2.0 * deep)) > 0.4 * deep;
+    }
+  }
+#endif
+  spot.beyond = part.beyond;
+  spot.on = part.beyond ? on : within && !(buried && part.size.x * part.size.y < 1.0);
+  spot.buried = buried;
+  spot.approaches = approaches || (on && !spot.on && hit.k > ray.k.y);
+  spot.crest = crest;
   spot.h = lift + above;
-  float pixel_t = abs(spot.t_step.x) + abs(spot.t_step.y);
-  spot.missed = clamp(-shift, -pixel_t, pixel_t);
   return spot;
 }
 #endif
 
 // Part of the pixel on the road's side of the line through an anchor across the tangent, whose slope is given; x, y from
 // that anchor, along: 1 for a start, -1 for an end.
-float open_end(float x, float y, float slope, float along, Spot spot) {
+float open_end(float x, float y, float slope, float along, Spot spot, vec2 size) {
   float inside_m = along * shape.x * (x + slope * y) / sqrt(1.0 + slope * slope);
 #ifdef CHANNELS
   return inside_m >= 0.0 ? 1.0 : 0.0;
@@ -183,7 +272,7 @@ float open_end(float x, float y, float slope, float along, Spot spot) {
   vec2 inward = along * normalize(axis + vec2(-axis.y, axis.x) * slope);
   vec3 step_x = frame_footprint(spot.position, spot.normal, right.xyz);
   vec3 step_y = frame_footprint(spot.position, spot.normal, up.xyz);
-  return filter_step(inside_m, dot(inward, step_x.xy), dot(inward, step_y.xy));
+  return filter_step(inside_m, dot(inward, step_x.xy) * size.x, dot(inward, step_y.xy) * size.y);
 #endif
 }
 
@@ -197,10 +286,11 @@ struct Pixel {
   float label;
   float most;
   bool on;         // some part lies on this segment
+  bool rough;      // not exact for the whole pixel
 };
 
 Pixel no_pixel() {
-  return Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0, false);
+  return Pixel(vec3(0.0), 0.0, 1e30, vec4(-1.0, 0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0, false, false);
 }
 
 void add_part(inout Pixel pixel, float part, vec3 color, Spot spot, float lane) {
@@ -229,18 +319,26 @@ Look look_at(Spot spot) {
 #else
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
   vec2 width = vec2(length(spot.s_step), length(spot.t_step));
-  return Look(material_noise(s, spot.t, float(ids.x), width.x, width.y), width,
+  return Look(material_noise(s, spot.t, float(ids.x), spot.s_step.x, spot.s_step.y, spot.t_step.x, spot.t_step.y,
+                             section_row(ids.y).w > 0.0), width,
               frame_light(spot.normal, spot.position));
 #endif
 }
 
-vec3 strip_color(Strip strip, Spot spot, Look look, float middle) {
+// right, left: t of its borders.
+vec3 strip_color(Strip strip, Spot spot, Look look, float right, float left) {
 #ifdef CHANNELS
   return vec3(0.0);
 #else
-  float wheel = strip.driving ? exp(-pow(abs(abs(spot.t - middle) - 0.8), 2.0) * 6.0) : 0.0;
+  float wheel = 0.0;
+  if (strip.driving) {
+    float middle = 0.5 * (right + left);
+    vec2 part = clamp(vec2(spot.t) + vec2(-0.5, 0.5) * look.width.y, right, left);
+    wheel = material_wheel(part.x - middle, part.y - middle);
+  }
   float s = mod(arc.z, NOISE_PERIOD) + (arc.w + spot.s);
-  return frame_shade(material_color(strip.material, s, spot.t, wheel, look.noise, look.width.x, look.width.y),
+  return frame_shade(material_color(strip.material, s, spot.t, wheel, look.noise, spot.s_step.x, spot.s_step.y,
+                                    spot.t_step.x, spot.t_step.y),
                      look.light);
 #endif
 }
@@ -261,10 +359,10 @@ void add_mark(inout Pixel pixel, float part, float under, vec3 under_color, vec3
 }
 
 // Part of the area that paint covers about (s, t) from the middle of the paint, with the changes of both per step.
-float paint_area(vec4 place, vec4 kind, float s, float t, vec2 ss, vec2 ts) {
+float paint_area(vec4 place, vec4 kind, float s, float t, vec2 ss, vec2 ts, vec2 ws) {
   if (kind.x < 2.0) {
-    float part = filter_band(s, -0.5 * place.z, 0.5 * place.z, ss.x, ss.y) *
-                 filter_band(t, -0.5 * place.w, 0.5 * place.w, ts.x, ts.y);
+    float part = filter_band(s, -0.5 * place.z, 0.5 * place.z, ss.x, ss.y, ws.x, ws.y) *
+                 filter_band(t, -0.5 * place.w, 0.5 * place.w, ts.x, ts.y, ws.x, ws.y);
     // Stripes and gaps alternate from the middle outward, a stripe in the middle.
     return kind.x < 1.0 ? part : part * marking_dash(t + 0.5 * kind.z, 2.0 * kind.z, kind.z, ts.x, ts.y);
   }
@@ -279,25 +377,10 @@ float paint_area(vec4 place, vec4 kind, float s, float t, vec2 ss, vec2 ts) {
   return filter_step(-d, ds * ss.x + dt * ts.x, ds * ss.y + dt * ts.y);
 }
 
-float paint_part(uint row, Spot spot) {
-  vec4 place = paint_rows[2u * row];
-  vec4 kind = paint_rows[2u * row + 1u];
-  float s = spot.s - place.x;
-  float t = spot.t - place.y;
-#ifdef CHANNELS
-  return paint_area(place, kind, s, t, vec2(0.0), vec2(0.0));
-#else
+// Within reach of the pixel?
+bool near_paint(vec4 place, Spot spot) {
   vec2 spread = vec2(abs(spot.s_step.x) + abs(spot.s_step.y), abs(spot.t_step.x) + abs(spot.t_step.y));
-  if (abs(s) > 0.5 * (place.z + spread.x) || abs(t) > 0.5 * (place.w + spread.y)) return 0.0;
-  // Corners are no half planes: eight parts of the pixel, two across and four up, where it is longest on the road.
-  float sum = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    vec2 at = vec2(float(i & 1) * 0.5 - 0.25, float(i >> 1) * 0.25 - 0.375);
-    sum += paint_area(place, kind, s + dot(spot.s_step, at), t + dot(spot.t_step, at), spot.s_step * vec2(0.5, 0.25),
-                      spot.t_step * vec2(0.5, 0.25));
-  }
-  return 0.125 * sum;
-#endif
+  return abs(spot.s - place.x) <= 0.5 * (place.z + spread.x) && abs(spot.t - place.y) <= 0.5 * (place.w + spread.y);
 }
 
 // Only DETAILED roads have more than one level, and paint.
@@ -323,7 +406,7 @@ float border_t(Corner corner, Spot spot) { return section_border(ids.y, corner.b
 // gradient at the pixel is that of t and of 1 / depth, weighted.
 float left_of(Spot spots[SPOTS], Corner corner) {
   Spot spot = SPOT(corner.level);
-  float t = spot.t + spot.missed - border_t(corner, spot);
+  float t = spot.t - border_t(corner, spot);
   vec2 gradient = spot.t_step + t * spot.w_step;
   return filter_step(t, gradient.x, gradient.y);
 }
@@ -336,15 +419,12 @@ Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
     Spot other = SPOT(far.level);
     float border = border_t(near, spot);
     float width = border_t(far, other) - border;
-    float near_h = section_rows[ids.y + 1u][near.level];
-    float rise = section_rows[ids.y + 1u][far.level] - near_h;
+    float near_h = section_row(ids.y + 1u)[near.level];
+    float rise = section_row(ids.y + 1u)[far.level] - near_h;
     float side = dot(spot.left, spot.position.xy) >= 0.0 ? -1.0 : 1.0;
     // Which side of it the ray is on, at both levels.
     float g0 = (spot.h - near_h) * width - (spot.t - border) * rise;
     float g1 = (other.h - near_h) * width - (other.t - border) * rise;
-    // On this segment where the ray goes from one side to the other; with both levels at hand also in the pixels that
-    // it covers in part.
-    spot.on = (spot.on && other.on) || g0 * g1 <= 0.0;
     // False position; on a straight road the first is exact.
     RoadSurface r = road_surface();
     Spot first = spot;
@@ -366,11 +446,34 @@ Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
         g1 = g;
       }
     }
+    spot.on = spot.beyond || ((spot.s >= -1e-3 || (ids.w & kOpenStart) != 0u) &&
+                              (spot.s <= r.arc + 1e-3 || (ids.w & kOpenEnd) != 0u));
     spot.normal = abs(width) < 1e-6 ? vec3(side * spot.left, 0.0)
                                     : normalize(spot.normal - vec3(rise / width * spot.left, 0.0));
+    spread(spot);
   }
 #endif
   return spot;
+}
+
+#ifndef DETAILED
+// How far the border is past the pixel, seen along `flip`: beyond 0 neither it nor its mark touches the pixel. Positive
+// where the pixel lies on its far side.
+float clear_of(Spot spot, int border, float reach, float flip) {
+  float t = spot.t - border_t(Corner(border, 0), spot);
+  vec2 gradient = abs(spot.t_step) + abs(t * spot.w_step);
+  float room = reach + 0.51 * (gradient.x + gradient.y);
+  return flip * t > 0.0 ? max(flip * t - room, 0.0) : min(flip * t + room, 0.0);
+}
+#endif
+
+// Is a dash's end that the pixel shows askew in it? Parts across and along are multiplied, as if each were spread alike
+// over the other: off by up to their correlation.
+bool ends_askew(Mark mark, float over, Spot spot) {
+  float dash = marking_dash(height.w + spot.s + mark.phase, max(mark.on + mark.off, 1e-3), mark.on, spot.s_step.x, spot.s_step.y);
+  float band = clamp(over / max(dash, 1e-6), 0.0, 1.0);
+  float slant = abs(dot(spot.s_step, spot.t_step)) / max(length(spot.s_step) * length(spot.t_step), 1e-12);
+  return (slant + length(spot.w_step)) * sqrt(dash * (1.0 - dash) * band * (1.0 - band)) > 0.05;
 }
 
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
@@ -378,17 +481,29 @@ Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
 // both neighbours of a joint fill their pixels.
 Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = no_pixel();
-  int borders = int(section_rows[ids.y].x);
+  int borders = int(section_row(ids.y).x);
   // Does the ray run to the left as it goes?
   bool leftward = dot(SPOT(0).left, SPOT(0).position.xy) >= 0.0;
   int onward = leftward ? 1 : -1;
   float flip = leftward ? 1.0 : -1.0;
   float shift = leftward ? 0.0 : 1.0;
   Corner corner = Corner(leftward ? 0 : borders - 1, 0);
+  int i = 0;
+#ifndef DETAILED
+  // Most pixels lie within one strip: not what they are past entirely, nor what comes after them.
+  float reach = section_row(ids.y).z;
+  while (i + 1 < borders && clear_of(spots[0], corner.border + onward, reach, flip) > 0.0 &&
+         clear_of(spots[0], corner.border, reach, flip) > 0.0) {
+    ++i;
+    corner.border += onward;
+  }
+#endif
   float open = shift + flip * left_of(spots, corner);
   float before = 0.0;  // what the strip before covers, at this corner's level
   vec3 before_color = vec3(0.0);
-  for (int i = 0; i < borders; ++i) {
+  float road = 0.0;  // what is seen at level 0, where paint lies
+  vec3 road_color = vec3(0.0);
+  for (; i < borders; ++i) {
     bool last = i + 1 == borders;
     Strip strip = last ? Strip(0, corner.level, corner.level, false, 0.0)
                        : section_strip(ids.y, leftward ? corner.border : corner.border - 1);
@@ -400,7 +515,7 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
       float part = max(open - beyond, 0.0);
       if (part > 0.0) {
         Spot spot = spot_between(spots, corner, far);
-        add_part(pixel, part, strip_color(Strip(5, 0, 0, false, 0.0), spot, look_at(spot), spot.t), spot, strip.lane);
+        add_part(pixel, part, strip_color(Strip(5, 0, 0, false, 0.0), spot, look_at(spot), spot.t, spot.t), spot, strip.lane);
       }
       open = min(open, beyond);
       before = 0.0;
@@ -417,43 +532,58 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
       open = min(open, beyond);
       if (part > 0.0) {
         spot = spot_between(spots, corner, far);
-        float middle = 0.5 * (border_t(corner, spot) + border_t(far, spot));
+        float right_t = border_t(leftward ? corner : far, spot);
+        float left_t = border_t(leftward ? far : corner, spot);
 #ifdef DETAILED
         if (corner.level != far.level) {
-          color = strip_color(strip, spot, look_at(spot), middle);
+          color = strip_color(strip, spot, look_at(spot), right_t, left_t);
         } else {
-          color = strip_color(strip, spot, LOOK(corner.level), middle);
+          color = strip_color(strip, spot, LOOK(corner.level), right_t, left_t);
         }
 #else
-        color = strip_color(strip, spot, LOOK(corner.level), middle);
+        color = strip_color(strip, spot, LOOK(corner.level), right_t, left_t);
 #endif
         add_part(pixel, part, color, spot, strip.lane);
       }
     }
+    vec3 bare_color = pixel.color - (corner.level == 0 && far.level == 0 ? part * color : vec3(0.0));
     // The mark on the border just passed, over the strips on both sides of it.
     float under = before + part;
     if (under > 0.0) {
       Mark mark = section_mark(ids.y, corner.border);
       if (mark.kind > 0) {
-        float over = marking_border(mark.kind, spot.t - border_t(corner, spot), height.w + spot.s + mark.phase, mark.width,
-                                    mark.space, mark.on, mark.off, spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y);
+        float t = spot.t - border_t(corner, spot);
+        float over = marking_border(mark.kind, t, height.w + spot.s + mark.phase, mark.width, mark.space, mark.on, mark.off,
+                                    spot.t_step.x, spot.t_step.y, spot.s_step.x, spot.s_step.y, spot.w_step.x,
+                                    spot.w_step.y);
         if (over > 0.0) {
+          if (over < 1.0 && mark.kind != 1 && mark.kind != 3) pixel.rough = pixel.rough || ends_askew(mark, over, spot);
           add_mark(pixel, over, under, (before * before_color + part * color) / under, paint_color(mark.color, LOOK(corner.level)));
         }
       }
     }
+    if (corner.level == 0 && far.level == 0) {
+      road += part;
+      road_color += pixel.color - bare_color;
+    }
     before = part;
     before_color = color;
     corner = far;
+#ifndef DETAILED
+    if (clear_of(spots[0], corner.border, reach, flip) < 0.0) break;
+#endif
   }
 #ifdef DETAILED
   uint paint = ids.z >> 8u;
   for (uint i = 0u; i < (ids.z & 255u); ++i) {
+    vec4 place = paint_rows[2u * (paint + i)];
+    if (!SPOT(0).on || !near_paint(place, SPOT(0))) continue;
     vec4 kind = paint_rows[2u * (paint + i) + 1u];
-    float over = SPOT(0).on ? paint_part(paint + i, SPOT(0)) : 0.0;
-    if (over > 0.0 && pixel.coverage > 0.0) {
-      add_mark(pixel, over, pixel.coverage, pixel.color / pixel.coverage, paint_color(int(kind.y), LOOK(0)));
-    }
+    float over = paint_area(place, kind, SPOT(0).s - place.x, SPOT(0).t - place.y, SPOT(0).s_step, SPOT(0).t_step,
+                            SPOT(0).w_step);
+    // An arrow's outline is known by its nearest line alone.
+    if (kind.x >= 2.0 || (over > 0.0 && over < 1.0)) pixel.rough = true;
+    if (over > 0.0 && road > 0.0) add_mark(pixel, over, road, road_color / road, paint_color(int(kind.y), LOOK(0)));
   }
 #endif
   return pixel;
@@ -462,23 +592,116 @@ Pixel cross_section(Spot spots[SPOTS], Look looks[SPOTS]) {
 // The underside of a bridge.
 Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   Pixel pixel = no_pixel();
-  float part = left_of(spots, Corner(0, 0)) - left_of(spots, Corner(int(section_rows[ids.y].x) - 1, 0));
-  if (part > 0.0) add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), SPOT(0), LOOK(0), 0.0), SPOT(0), 0.0);
+  float part = left_of(spots, Corner(0, 0)) - left_of(spots, Corner(int(section_row(ids.y).x) - 1, 0));
+  if (part > 0.0) add_part(pixel, part, strip_color(Strip(1, 0, 0, false, 0.0), SPOT(0), LOOK(0), 0.0, 0.0), SPOT(0), 0.0);
   return pixel;
+}
+
+// Parts, right and up, each about as long as wide on the road; near a crest sixteen, one above the other, or where the
+// picture leans, beside. Paint has more corners than dashes have.
+ivec2 division(Spot spot) {
+  float across = length(vec2(spot.s_step.x, spot.t_step.x));
+  float upward = length(vec2(spot.s_step.y, spot.t_step.y));
+  float ratio = max(across, upward) / max(min(across, upward), 1e-9);
+#ifdef DETAILED
+  int few = spot.crest || ratio > 8.0 ? 1 : (ratio > 2.0 ? 2 : 4);
+  int many = 16 / few;
+#else
+  int few = spot.crest || ratio > 4.0 ? 1 : 2;
+  int many = (spot.crest ? 16 : 8) / few;
+#endif
+  return upward > across ? ivec2(few, many) : ivec2(many, few);
+}
+
+// What a part of the pixel shows.
+struct Sight {
+  Pixel pixel;
+  bool leaves;  // the ray leaves the segment over a joint, on its way to the road
+  bool buried;  // it has met the road before the segment
+  ivec2 parts;  // in which it is better taken, right and up
+};
+
+Sight no_sight() { return Sight(no_pixel(), false, false, ivec2(0)); }
+
+// looks: those of the whole pixel serve all its parts.
+Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
+  Sight sight = no_sight();
+  Spot spots[SPOTS];
+#ifdef RELIEF
+  Ray ray = eye_ray(r, part.at);
+  if (!(ray.wide.x <= ray.wide.y)) return sight;
+#ifdef DETAILED
+  int levels = int(section_row(ids.y).y);
+  for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_row(ids.y + 1u)[i], part);
+#else
+  spots[0] = intersect(r, ray, 0.0, part);
+#endif
+  sight.leaves = spots[0].approaches;
+  sight.buried = spots[0].buried;
+#ifndef DETAILED
+  if (!spots[0].on) {
+    // A neighbour's, but for what parts of the pixel may see.
+#ifndef CHANNELS
+    if (spots[0].crest) sight.parts = division(spots[0]);
+#endif
+    return sight;
+  }
+#endif
+#else
+  // Where the part's ray meets the segment's plane.
+  vec3 plane = vec3(-road_cubic(r.arc, 0.0, r.z1, r.z2, r.z3) / r.chord * axis, 1.0);
+  float depth = dot(relative, forward.xyz);
+  vec3 toward = relative / depth + right.w * (part.at.x * right.xyz + part.at.y * up.xyz);
+  float reach = dot(plane, relative) / dot(plane, toward);
+  if (!(reach > 0.0)) return sight;
+  vec3 position = reach * toward;
+  vec2 step_m = position.xy - relative.xy;
+  vec2 step = vec2(dot(step_m, axis), step_m.y * axis.x - step_m.x * axis.y) / r.chord;
+  vec2 p = chord_point + step;
+  RoadCoord c = road_project_linear(linear.x + road_alpha(step.y, r.a, r.b),
+                                    linear.y + road_beta(step.y, r.a, r.b) + 1.0,
+                                    linear.z + road_gamma(step.x, step.y, r.a), p.x, p.y, r.a, r.b);
+  spots[0] = spot_at(r, p, c, surface_s(c, p.x, p.y, r), position, part.size);
+#endif
+  bool from_below = dot(spots[0].normal, spots[0].position) > 0.0;
+  if (from_below) spots[0].normal = -spots[0].normal;
+  if (!part.beyond) {
+    looks[0] = look_at(spots[0]);
+#ifdef DETAILED
+    for (int i = 1; i < levels; ++i) looks[i] = look_at(spots[i]);
+#endif
+  }
+  Pixel pixel;
+  if (from_below) {
+    pixel = underside(spots, looks);
+  } else {
+    pixel = cross_section(spots, looks);
+  }
+  vec2 at = spots[0].p;
+  float open = 1.0;
+  if ((ids.w & kOpenStart) != 0u) open *= open_end(at.x, at.y, r.a, 1.0, spots[0], part.size);
+  if ((ids.w & kOpenEnd) != 0u) open *= open_end(at.x - 1.0, at.y, r.b, -1.0, spots[0], part.size);
+  pixel.color *= open;
+  pixel.coverage *= open;
+#ifndef CHANNELS
+  if (spots[0].crest || (pixel.on && pixel.rough)) sight.parts = division(spots[0]);
+#endif
+#if defined(RELIEF) && !defined(CHANNELS)
+  // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
+  // pixel keeps the ground below it out of all of them. Where the ray grazes the road, that is bounded: it must not come
+  // before the road that hides it.
+  vec3 step_x = frame_footprint(spots[0].position, spots[0].normal, right.xyz) * part.size.x;
+  vec3 step_y = frame_footprint(spots[0].position, spots[0].normal, up.xyz) * part.size.y;
+  float spread = 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
+  if (!from_below) pixel.depth -= min(spread, 0.25 * pixel.depth);
+#endif
+  sight.pixel = pixel;
+  return sight;
 }
 
 void main() {
 #ifdef RELIEF
   RoadSurface r = road_surface();
-  Ray ray = eye_ray(r);
-  if (!(ray.k.x <= ray.k.y)) discard;
-  Spot spots[SPOTS];
-#ifdef DETAILED
-  int levels = int(section_rows[ids.y].y);
-  for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_rows[ids.y + 1u][i]);
-#else
-  spots[0] = intersect(r, ray, 0.0);
-#endif
 #else
   RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
                               0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -486,45 +709,55 @@ void main() {
   float hair = 1e-5;
   if (chord_point.x + r.a * chord_point.y < -hair && (ids.w & kOpenStart) == 0u) discard;
   if (1.0 - chord_point.x - r.b * chord_point.y < -hair && (ids.w & kOpenEnd) == 0u) discard;
-  Spot spots[SPOTS];
-  spots[0] = spot_at(r, chord_point,
-                     road_project_linear(linear.x, linear.y, linear.z, chord_point.x, chord_point.y, r.a, r.b),
-                     relative);
 #endif
-  bool from_below = dot(spots[0].normal, spots[0].position) > 0.0;
-  if (from_below) spots[0].normal = -spots[0].normal;
+  // First the pixel as a whole; where that is not exact enough, again in parts. The segment that has the pixel's centre
+  // goes on over its joints, so that no gap is left between it and its neighbours.
+  Sight whole = no_sight();
+  Pixel pixel = no_pixel();
   Look looks[SPOTS];
-  looks[0] = look_at(spots[0]);
-#ifdef DETAILED
-  for (int i = 1; i < levels; ++i) looks[i] = look_at(spots[i]);
-#endif
-  Pixel pixel;
-  if (from_below) {
-    pixel = underside(spots, looks);
-  } else {
-    pixel = cross_section(spots, looks);
+  for (int i = 0; i < SPOTS; ++i) looks[i] = Look(vec3(0.0), vec2(0.0), FrameLight(vec3(0.0), vec3(0.0), 0.0));
+  int parts = 0;
+  int hidden = 0;
+  for (int i = -1; i < parts; ++i) {
+    Part part = Part(vec2(0.0), vec2(1.0), false);
+    if (i >= 0) {
+      part.size = 1.0 / vec2(whole.parts);
+      part.at = (vec2(float(i % whole.parts.x), float(i / whole.parts.x)) + 0.5) * part.size - 0.5;
+      part.beyond = whole.pixel.on;
+    }
+    Sight sight = look_through(r, part, looks);
+    if (i < 0) {
+      whole = sight;
+      pixel = sight.pixel;
+      parts = sight.parts.x * sight.parts.y;
+      if (parts > 0) pixel = no_pixel();
+      continue;
+    }
+    if (!sight.pixel.on) {
+      if (!whole.pixel.on && sight.buried) hidden += 1;
+      if (!(whole.pixel.on && sight.leaves)) continue;
+      sight.pixel = whole.pixel;
+    }
+    pixel.color += sight.pixel.color;
+    pixel.coverage += sight.pixel.coverage;
+    pixel.depth = min(pixel.depth, sight.pixel.depth);
+    pixel.on = true;
   }
-  float coverage = pixel.coverage;
-  vec2 p = spots[0].p;
-  if ((ids.w & kOpenStart) != 0u) coverage *= open_end(p.x, p.y, r.a, 1.0, spots[0]);
-  if ((ids.w & kOpenEnd) != 0u) coverage *= open_end(p.x - 1.0, p.y, r.b, -1.0, spots[0]);
-  if (!(coverage > 0.0) || !pixel.on) discard;
+  if (parts > 0) {
+    float share = 1.0 / float(max(parts - hidden, 1));
+    pixel.color *= share;
+    pixel.coverage *= share;
+    if (!whole.pixel.on && whole.leaves) pixel.depth *= 2.0;
+  }
+  if (!(pixel.coverage > 0.0) || !pixel.on) discard;
 #ifdef CHANNELS
   out_road = pixel.road;
   out_normal = vec4(pixel.normal, 0.0);
   out_label = vec2(pixel.label, float(ids.x) + 1.0);
 #else
-  out_color = vec4(pixel.color / pixel.coverage, coverage);
+  out_color = vec4(pixel.color / pixel.coverage, pixel.coverage);
 #endif
 #ifdef RELIEF
-  float depth = pixel.depth;
-#ifndef CHANNELS
-  // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
-  // pixel keeps the ground below it out of all of them.
-  vec3 step_x = frame_footprint(spots[0].position, spots[0].normal, right.xyz);
-  vec3 step_y = frame_footprint(spots[0].position, spots[0].normal, up.xyz);
-  depth -= 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
-#endif
-  gl_FragDepth = forward.w / max(depth, forward.w);
+  gl_FragDepth = forward.w / max(pixel.depth, forward.w);
 #endif
 }

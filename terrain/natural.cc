@@ -8,7 +8,7 @@
 
 #include <glm/common.hpp>
 
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 #include "terrain/levelling.h"
 
 namespace roadgen {

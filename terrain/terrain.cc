@@ -9,7 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 #include "terrain/bisection.h"
 
 namespace roadgen {
@@ -54,8 +54,10 @@ void over_carriageways(const Network& network, double step_m, Visit&& visit) {
       }
     }
   }
-  for (const Road& road : network.roads) {
-    for (const Segment& segment : road.segments) {
+  const std::vector<bool> in_area = roads_in_areas(network);
+  for (std::size_t r = 0; r < network.roads.size(); ++r) {
+    if (in_area[r]) continue;
+    for (const Segment& segment : network.roads[r].segments) {
       // The outer edge of a bend is longer than the centre line by 1 + curvature * half width.
       const double widest = segment.max_half_width_m();
       double bend = 0, grade = 0;

@@ -1,9 +1,11 @@
 // Builds the town, its ground and four pictures of it: the C++ interface from roads to PNG, without a file in between.
-//   town PREFIX     writes PREFIX.crossing.png, PREFIX.bend.png, PREFIX.tunnel.png, PREFIX.kerb.png
+// PREFIX.xodr holds the same town, for `roadgen render` and for other programs.
+//   town PREFIX     writes PREFIX.xodr, PREFIX.crossing.png, PREFIX.bend.png, PREFIX.tunnel.png, PREFIX.kerb.png
 #include <cstdio>
 #include <string>
 
 #include "demo/town/town.h"
+#include "roadgen/export/opendrive.h"
 #include "roadgen/render/renderer.h"
 #include "terrain/terrain.h"
 
@@ -36,6 +38,9 @@ int main(int argc, char** argv) {
   const auto network = roadgen::demo::town();
   if (!network) return fail(network.error());
   for (const std::string& problem : roadgen::check(*network).problems) std::fprintf(stderr, "%s\n", problem.c_str());
+  const std::string file = std::string(argv[1]) + ".xodr";
+  if (const auto status = roadgen::write_opendrive(*network, file); !status) return fail(status.error());
+  std::printf("%s\n", file.c_str());
   const auto ground = roadgen::Terrain::build(*network, nullptr);
   if (!ground) return fail(ground.error());
   auto context = roadgen::Context::create({.kind = roadgen::ContextKind::kOsmesa});

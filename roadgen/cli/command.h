@@ -55,5 +55,6 @@ int run_info(const Arguments& arguments);
 int run_check(const Arguments& arguments);
 int run_render(const Arguments& arguments);
 int run_fly(const Arguments& arguments);
+int run_export(const Arguments& arguments);
 
 }  // namespace roadgen::cli

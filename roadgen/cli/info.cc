@@ -1,5 +1,6 @@
 // roadgen info: what a network holds, as JSON.
 #include <algorithm>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -31,6 +32,23 @@ LaneCount lanes_of(const Road& road) {
   return most;
 }
 
+// Of sweeps by their kind.
+Json structures_of(const Network& network) {
+  std::size_t count[4] = {};
+  for (const Road& road : network.roads) {
+    for (const Sweep& sweep : road.sweeps) ++count[static_cast<std::size_t>(sweep.kind())];
+  }
+  return {{"tunnels", count[0]}, {"guard_rails", count[1]}, {"pipes", count[2]}, {"cables", count[3]}};
+}
+
+// With an area, as a node of the road graph, or both.
+std::size_t junctions_of(const Network& network) {
+  std::set<std::string_view> ids;
+  for (const Junction& junction : network.junctions) ids.insert(junction.id);
+  for (const JunctionLinks& junction : network.junction_links) ids.insert(junction.id);
+  return ids.size();
+}
+
 Json describe(const Network& network) {
   Json roads = Json::array();
   double length_m = 0;
@@ -48,7 +66,8 @@ Json describe(const Network& network) {
                      {"lanes", most.all},
                      {"driving_lanes", most.driving},
                      {"lane_sections", road.sections.size()},
-                     {"paint", road.paint.size()}});
+                     {"paint", road.paint.size()},
+                     {"structures", road.sweeps.size()}});
   }
   const Bounds box = bounds(network);
   Json georeference = nullptr;
@@ -63,7 +82,9 @@ Json describe(const Network& network) {
       {"segments", network.segment_count()},
       {"lanes", lanes.all},
       {"driving_lanes", lanes.driving},
-      {"junctions", 0},
+      {"junctions", junctions_of(network)},
+      {"junction_areas", network.junctions.size()},
+      {"structures", structures_of(network)},
       {"length_m", length_m},
       {"bounds",
        {{"low_m", {box.low_m.x, box.low_m.y, box.low_m.z}}, {"high_m", {box.high_m.x, box.high_m.y, box.high_m.z}}}},

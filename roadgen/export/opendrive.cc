@@ -1,73 +1,24 @@
 #include "roadgen/export/opendrive.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <string_view>
 
 #include "roadgen/export/atomic_file.h"
+#include "roadgen/export/xml_writer.h"
+#include "roadgen/export/xodr_junctions.h"
+#include "roadgen/export/xodr_objects.h"
 #include "roadgen/road/crossfall.h"
 
 namespace roadgen {
 namespace {
 
-// Appends to a text; XML by hand, since the file's form is fixed and attribute order is part of being
-// identical.
-class Writer {
- public:
-  Writer& raw(std::string_view text) {
-    text_ += text;
-    return *this;
-  }
-  // name="x", shortest digits that bring the same double back, whatever the locale.
-  Writer& number(const char* name, double x) {
-    text_ += ' ';
-    text_ += name;
-    text_ += "=\"";
-    digits(x);
-    text_ += '"';
-    return *this;
-  }
-  Writer& text(const char* name, std::string_view value) {
-    text_ += ' ';
-    text_ += name;
-    text_ += "=\"";
-    for (const char c : value) escape(c);
-    text_ += '"';
-    return *this;
-  }
-  void digits(double x) {
-    char buffer[32];
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, x == 0 ? 0.0 : x).ptr;  // no "-0"
-    text_.append(buffer, end);
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  void escape(char c) {
-    switch (c) {
-      case '&': text_ += "&amp;"; break;
-      case '<': text_ += "&lt;"; break;
-      case '>': text_ += "&gt;"; break;
-      case '"': text_ += "&quot;"; break;
-      case '\n':
-      case '\r':
-      case '\t': text_ += ' '; break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20) text_ += c;  // XML 1.0 has no other control characters
-    }
-  }
-
-  std::string text_;
-};
-
-void write_cubic(Writer& out, const Cubic& c) {
+void write_cubic(XmlWriter& out, const Cubic& c) {
   out.number("a", c.c0).number("b", c.c1).number("c", c.c2).number("d", c.c3).raw("/>\n");
 }
 
-void write_header(Writer& out, const Network& network) {
+void write_header(XmlWriter& out, const Network& network) {
   out.raw("  <header revMajor=\"1\" revMinor=\"7\"").text("name", network.name).raw(" version=\"1.00\"");
   if (const Bounds b = bounds(network); !b.empty()) {
     out.number("north", b.high_m.y).number("south", b.low_m.y).number("east", b.high_m.x).number("west", b.low_m.x);
@@ -81,15 +32,13 @@ void write_header(Writer& out, const Network& network) {
   out.raw(">\n    <geoReference><![CDATA[+proj=ortho +lat_0=").digits(origin.latitude_deg);
   out.raw(" +lon_0=").digits(origin.longitude_deg);
   out.raw(" +x_0=0 +y_0=0 +ellps=WGS84 +units=m +no_defs]]></geoReference>\n");
-  out.raw("    <userData code=\"roadgen:origin\" value=\"").digits(origin.latitude_deg);
-  out.raw(" ").digits(origin.longitude_deg);
-  out.raw(" ").digits(origin.height_m);
-  out.raw("\"/>\n  </header>\n");
+  out.user_data("    ", "origin", {origin.latitude_deg, origin.longitude_deg, origin.height_m});
+  out.raw("  </header>\n");
 }
 
 // The frame of the start tangent. With c = 1 / sqrt(1 + a^2) and s = a c, the chord frame turns by
 // (U, V) = L (c x + s f, c f - s x), and f = a x - (2 a + b) x^2 + (a + b) x^3.
-void write_geometry(Writer& out, const Segment& segment) {
+void write_geometry(XmlWriter& out, const Segment& segment) {
   const double a = segment.slope_start, b = segment.slope_end, length = segment.chord_length_m();
   const double secant = std::sqrt(1 + a * a), c = length / secant, s = a * c;
   out.raw("      <geometry").number("s", segment.s_start_m);
@@ -97,14 +46,11 @@ void write_geometry(Writer& out, const Segment& segment) {
   out.number("length", segment.arc_m).raw(">\n        <paramPoly3 aU=\"0\"");
   out.number("bU", length * secant).number("cU", -s * (2 * a + b)).number("dU", s * (a + b)).raw(" aV=\"0\" bV=\"0\"");
   out.number("cV", -c * (2 * a + b)).number("dV", c * (a + b)).raw(" pRange=\"normalized\"/>\n");
-  out.raw("        <userData code=\"roadgen:chord\" value=\"").digits(segment.end_m.x);
-  out.raw(" ").digits(segment.end_m.y);
-  out.raw(" ").digits(a);
-  out.raw(" ").digits(b);
-  out.raw("\"/>\n      </geometry>\n");
+  out.user_data("        ", "chord", {segment.end_m.x, segment.end_m.y, a, b});
+  out.raw("      </geometry>\n");
 }
 
-void write_elevation(Writer& out, const Road& road) {
+void write_elevation(XmlWriter& out, const Road& road) {
   out.raw("    <elevationProfile>\n");
   for (const Segment& segment : road.segments) {
     out.raw("      <elevation").number("s", segment.s_start_m);
@@ -114,7 +60,7 @@ void write_elevation(Writer& out, const Road& road) {
 }
 
 // Two straight pieces across: the first from the right edge, or 1 m from the reference line where that is nearer.
-void write_shape(Writer& out, const Segment& segment, double local_m, double s_m) {
+void write_shape(XmlWriter& out, const Segment& segment, double local_m, double s_m) {
   const double e = segment.superelevation_rad.value(local_m);
   const double left = tilted_fall(segment.crossfall_left.value(local_m), e, 1);
   const double right = tilted_fall(segment.crossfall_right.value(local_m), e, -1);
@@ -130,7 +76,7 @@ bool has_crossfall(const Segment& segment) {
 }
 
 // A station where a segment starts, one at the road's end, and one just before a joint where the slopes jump.
-void write_shapes(Writer& out, const Road& road) {
+void write_shapes(XmlWriter& out, const Road& road) {
   constexpr double kBeforeJump_m = 5e-4;
   for (std::size_t i = 0; i < road.segments.size(); ++i) {
     const Segment& segment = road.segments[i];
@@ -150,15 +96,11 @@ void write_shapes(Writer& out, const Road& road) {
   }
   for (const Segment& segment : road.segments) {
     const Linear &l = segment.crossfall_left, &r = segment.crossfall_right;
-    out.raw("      <userData code=\"roadgen:crossfall\" value=\"").digits(segment.s_start_m);
-    for (const double x : {l.c0, l.c1, r.c0, r.c1}) {
-      out.raw(" ").digits(x);
-    }
-    out.raw("\"/>\n");
+    out.user_data("      ", "crossfall", {segment.s_start_m, l.c0, l.c1, r.c0, r.c1});
   }
 }
 
-void write_lateral(Writer& out, const Road& road) {
+void write_lateral(XmlWriter& out, const Road& road) {
   const auto& all = road.segments;
   const bool tilts =
       std::any_of(all.begin(), all.end(), [](const Segment& s) { return s.superelevation_rad != Cubic{}; });
@@ -204,7 +146,7 @@ const char* lane_change(MarkKind kind) {
   }
 }
 
-void write_line(Writer& out, const Mark& mark, double t_m, bool broken) {
+void write_line(XmlWriter& out, const Mark& mark, double t_m, bool broken) {
   out.raw("                <line").number("length", broken ? mark.on_m : 1).number("space", broken ? mark.off_m : 0);
   out.number("tOffset", t_m);
   out.number("sOffset", broken && mark.phase_m > 0 ? mark.on_m + mark.off_m - mark.phase_m : 0)
@@ -212,7 +154,7 @@ void write_line(Writer& out, const Mark& mark, double t_m, bool broken) {
       .raw("/>\n");
 }
 
-void write_lines(Writer& out, const Mark& mark, const char* type) {
+void write_lines(XmlWriter& out, const Mark& mark, const char* type) {
   out.raw("              <type").text("name", type).number("width", mark.width_m).raw(">\n");
   const double near = 0.5 * (mark.space_m + mark.width_m);
   switch (mark.kind) {
@@ -224,16 +166,15 @@ void write_lines(Writer& out, const Mark& mark, const char* type) {
   out.raw("              </type>\n");
 }
 
-void write_mark(Writer& out, const Mark& mark, Side side) {
+void write_mark(XmlWriter& out, const Mark& mark, Side side) {
   if (mark == Mark{}) return;
   const char* type = mark_type(mark.kind, side);
   out.raw("            <roadMark sOffset=\"0\"").text("type", type).raw(" weight=\"standard\"");
   out.text("color", name_of(mark.color)).number("width", mark.width_m).text("laneChange", lane_change(mark.kind));
   out.raw(">\n");
   if (mark.kind != MarkKind::kNone && mark.kind != MarkKind::kSolid) write_lines(out, mark, type);
-  out.raw("              <userData code=\"roadgen:mark\" value=\"").digits(mark.width_m);
-  for (const double x : {mark.space_m, mark.on_m, mark.off_m, mark.phase_m}) out.raw(" ").digits(x);
-  out.raw("\"/>\n            </roadMark>\n");
+  out.user_data("              ", "mark", {mark.width_m, mark.space_m, mark.on_m, mark.off_m, mark.phase_m});
+  out.raw("            </roadMark>\n");
 }
 
 // The lane of the section before or after that goes on where this one ends or starts, 0 for none: the one on the same
@@ -252,23 +193,31 @@ double section_length_m(const Road& road, std::size_t index) {
   return (index + 1 < road.sections.size() ? road.sections[index + 1].s_m : road.length_m()) - road.sections[index].s_m;
 }
 
-void write_lane_link(Writer& out, const Road& road, std::size_t index, int id) {
+// Of a road's first or last section, to the lanes of the road linked there; elsewhere to the neighbouring section.
+std::vector<int> lanes_beyond(const Road& road, std::size_t index, int id, bool after) {
   const std::size_t count = road.sections.size();
+  std::vector<int> ids;
+  if (index == (after ? count - 1 : 0) && !road.closed) {
+    for (const LaneLink& link : (after ? road.successor : road.predecessor).lanes) {
+      if (link.from == id) ids.push_back(link.to);
+    }
+    return ids;
+  }
   const LaneSection& section = road.sections[index];
   const std::size_t border = static_cast<std::size_t>(static_cast<int>(section.right.size()) + (id > 0 ? id - 1 : id));
-  int before = 0, after = 0;
-  if (index > 0 || road.closed) {
-    const std::size_t other = index > 0 ? index - 1 : count - 1;
-    before = linked_lane(section, 0, border, road.sections[other], section_length_m(road, other), id);
-  }
-  if (index + 1 < count || road.closed) {
-    const LaneSection& other = road.sections[index + 1 < count ? index + 1 : 0];
-    after = linked_lane(section, section_length_m(road, index), border, other, 0, id);
-  }
-  if (before == 0 && after == 0) return;
+  const std::size_t other = after ? (index + 1) % count : (index + count - 1) % count;
+  const int found = linked_lane(section, after ? section_length_m(road, index) : 0, border, road.sections[other],
+                                after ? 0 : section_length_m(road, other), id);
+  if (found != 0) ids.push_back(found);
+  return ids;
+}
+
+void write_lane_link(XmlWriter& out, const Road& road, std::size_t index, int id) {
+  const std::vector<int> before = lanes_beyond(road, index, id, false), after = lanes_beyond(road, index, id, true);
+  if (before.empty() && after.empty()) return;
   out.raw("            <link>\n");
-  if (before != 0) out.raw("              <predecessor").text("id", std::to_string(before)).raw("/>\n");
-  if (after != 0) out.raw("              <successor").text("id", std::to_string(after)).raw("/>\n");
+  for (const int lane : before) out.raw("              <predecessor").text("id", std::to_string(lane)).raw("/>\n");
+  for (const int lane : after) out.raw("              <successor").text("id", std::to_string(lane)).raw("/>\n");
   out.raw("            </link>\n");
 }
 
@@ -279,7 +228,7 @@ struct Surface {
 constexpr Surface kSurfaces[] = {{"asphalt", 0.8}, {"concrete", 0.8}, {"paving", 0.7},
                                  {"grass", 0.4},   {"gravel", 0.5},   {"curbstone", 0.7}};
 
-void write_lane(Writer& out, const Road& road, std::size_t index, int id) {
+void write_lane(XmlWriter& out, const Road& road, std::size_t index, int id) {
   const LaneSection& section = road.sections[index];
   const Lane& lane =
       id > 0 ? section.left[static_cast<std::size_t>(id - 1)] : section.right[static_cast<std::size_t>(-id - 1)];
@@ -301,7 +250,7 @@ void write_lane(Writer& out, const Road& road, std::size_t index, int id) {
   out.raw("          </lane>\n");
 }
 
-void write_section(Writer& out, const Road& road, std::size_t index) {
+void write_section(XmlWriter& out, const Road& road, std::size_t index) {
   const LaneSection& section = road.sections[index];
   out.raw("      <laneSection").number("s", section.s_m).raw(">\n");
   if (!section.left.empty()) {
@@ -320,7 +269,7 @@ void write_section(Writer& out, const Road& road, std::size_t index) {
   out.raw("      </laneSection>\n");
 }
 
-void write_lanes(Writer& out, const Road& road) {
+void write_lanes(XmlWriter& out, const Road& road) {
   out.raw("    <lanes>\n");
   const auto moved = [](const LaneSection& section) { return section.offset_m != Cubic{}; };
   if (std::any_of(road.sections.begin(), road.sections.end(), moved)) {
@@ -333,41 +282,10 @@ void write_lanes(Writer& out, const Road& road) {
   out.raw("    </lanes>\n");
 }
 
-struct ObjectType {
-  const char *type, *subtype;
-};
-// In the order of PaintKind.
-constexpr ObjectType kObjects[] = {{"roadMark", "signalLines"},       {"crosswalk", "zebra"},
-                                   {"roadMark", "arrowStraight"},     {"roadMark", "arrowLeft"},
-                                   {"roadMark", "arrowRight"},        {"roadMark", "arrowStraightLeft"},
-                                   {"roadMark", "arrowStraightRight"}};
-
-void write_objects(Writer& out, const Road& road) {
-  if (road.paint.empty()) return;
-  out.raw("    <objects>\n");
-  for (std::size_t i = 0; i < road.paint.size(); ++i) {
-    const Paint& paint = road.paint[i];
-    const ObjectType& object = kObjects[static_cast<std::size_t>(paint.kind)];
-    out.raw("      <object").text("id", road.id + "-" + std::to_string(i + 1)).text("type", object.type);
-    out.text("subtype", object.subtype).number("s", paint.s_m).number("t", paint.t_m).raw(" zOffset=\"0\"");
-    out.number("hdg", paint.against ? std::numbers::pi : 0).raw(" pitch=\"0\" roll=\"0\"");
-    out.text("orientation", paint.against ? "-" : "+").number("length", paint.length_m);
-    out.number("width", paint.width_m).raw(" height=\"0\">\n        <userData code=\"roadgen:paint\" value=\"");
-    out.digits(static_cast<int>(paint.color));
-    out.raw(" ").digits(paint.stripe_m);
-    out.raw("\"/>\n      </object>\n");
-  }
-  out.raw("    </objects>\n");
-}
-
-void write_road(Writer& out, const Road& road) {
+void write_road(XmlWriter& out, const Road& road) {
   out.raw("  <road").text("name", road.name).number("length", road.length_m()).text("id", road.id);
-  out.raw(" junction=\"-1\" rule=\"RHT\">\n");
-  if (road.closed) {
-    out.raw("    <link>\n      <predecessor elementType=\"road\"").text("elementId", road.id);
-    out.raw(" contactPoint=\"end\"/>\n      <successor elementType=\"road\"").text("elementId", road.id);
-    out.raw(" contactPoint=\"start\"/>\n    </link>\n");
-  }
+  out.text("junction", road.junction.empty() ? "-1" : road.junction).raw(" rule=\"RHT\">\n");
+  write_links(out, road);
   out.raw("    <planView>\n");
   for (const Segment& segment : road.segments) write_geometry(out, segment);
   out.raw("    </planView>\n");
@@ -375,6 +293,7 @@ void write_road(Writer& out, const Road& road) {
   write_lateral(out, road);
   write_lanes(out, road);
   write_objects(out, road);
+  write_joined(out, road);
   out.raw("  </road>\n");
 }
 
@@ -386,7 +305,8 @@ Status check_roads(const Network& network) {
     if (!ids.insert(road.id).second) return Error{ErrorCode::kData, "the id is used twice", {}, 0, element};
     if (road.segments.empty()) return Error{ErrorCode::kData, "the road has no segments", {}, 0, element};
     if (road.sections.empty()) return Error{ErrorCode::kData, "the road has no lane sections", {}, 0, element};
-    if (!is_finite(road)) return Error{ErrorCode::kData, "a number is not finite", {}, 0, element};
+    if (!is_finite(road) || !has_finite_sweeps(road))
+      return Error{ErrorCode::kData, "a number is not finite", {}, 0, element};
   }
   return Done{};
 }
@@ -395,10 +315,12 @@ Status check_roads(const Network& network) {
 
 Result<std::string> opendrive_text(const Network& network) {
   if (Status status = check_roads(network); !status) return status.error();
-  Writer out;
+  if (Status status = check_junctions(network); !status) return status.error();
+  XmlWriter out;
   out.raw("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n");
   write_header(out, network);
   for (const Road& road : network.roads) write_road(out, road);
+  write_junctions(out, network);
   out.raw("</OpenDRIVE>\n");
   return out.take();
 }

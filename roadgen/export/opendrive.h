@@ -17,8 +17,9 @@
 // Numbers are written with as many digits as bring the same double back (17 at most). The anchors and slopes cannot be
 // recovered bit for bit from rounded polynomial coefficients, so they stand beside them in
 // <userData code="roadgen:chord" value="END_X END_Y SLOPE_START SLOPE_END"/>; likewise "roadgen:crossfall" (S and the
-// coefficients left and right), "roadgen:mark" (WIDTH SPACE ON OFF) and "roadgen:paint" (COLOUR STRIPE); thus a network that was written, read
-// and written again is the same file. Other programs skip userData and lose nothing.
+// coefficients left and right), "roadgen:mark" (WIDTH SPACE ON OFF PHASE), "roadgen:paint" (COLOUR STRIPE), "roadgen:sweep"
+// (xodr_objects.cc), "roadgen:joined" (START END), "roadgen:area" and "roadgen:arm" (xodr_junctions.h); thus a network
+// that was written, read and written again is the same file. Other programs skip userData and lose nothing.
 #pragma once
 
 #include <string>
@@ -28,7 +29,8 @@
 namespace roadgen {
 
 // The text of the file. Cost: O(segments).
-// Errors: kData where a road has no segments or no lane sections, an id is empty or used twice, or a number is not finite.
+// Errors: kData where a road has no segments or no lane sections, an id is empty or used twice, a number is not finite,
+// or a junction's corners are not those that make_junction lays for its arms and radius.
 Result<std::string> opendrive_text(const Network& network);
 
 // Writes the text to path, whole or not at all. Errors: as opendrive_text; kIo.

@@ -111,45 +111,11 @@ std::vector<Located> locate(const Road& road, std::span<const Sample> samples) {
     const bool stays = near.nearest.distance_m <= best.nearest.distance_m + sample.half_width_m;
     const SegmentTree::Hit& place = stays ? near : best;
     const Segment& segment = road.segments[place.segment];
-    all.push_back({best.nearest.distance_m, place.segment,
+    all.push_back({best.nearest.distance_m, place.segment, place.nearest.u,
                    segment.s_start_m + std::min(arc_at(segment, place.nearest.u), segment.arc_m)});
     last = place.segment;
   }
   return all;
-}
-
-Certificate certify(const Road& road, std::span<const Sample> samples, std::size_t anchors) {
-  Certificate c;
-  c.id = road.id;
-  c.closed = road.closed;
-  c.length_m = road.length_m();
-  c.samples = samples.size();
-  c.anchors = anchors;
-  c.segments = road.segments.size();
-  if (road.segments.empty()) return c;
-
-  const std::vector<Located> located = locate(road, samples);
-  double sum = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Segment& segment = road.segments[located[i].segment];
-    const double z = segment.elevation_m.value(located[i].s_m - segment.s_start_m);
-    c.max_error_m = std::max(c.max_error_m, located[i].distance_m);
-    c.max_elevation_error_m = std::max(c.max_elevation_error_m, std::abs(z - samples[i].elevation_m));
-    sum += located[i].distance_m * located[i].distance_m;
-  }
-  if (!samples.empty()) c.rms_error_m = std::sqrt(sum / static_cast<double>(samples.size()));
-
-  double mapping_m = 0;
-  for (const Segment& segment : road.segments) {
-    mapping_m = std::max(mapping_m, segment.v_bound_m());
-  }
-  c.bound_m = c.max_error_m + mapping_m;
-  for (std::size_t i = 0; i + (road.closed ? 0 : 1) < road.segments.size(); ++i) {
-    const JointGap gap = joint_gap(road.segments[i], road.segments[i + 1 == road.segments.size() ? 0 : i + 1]);
-    c.max_heading_jump_rad = std::max(c.max_heading_jump_rad, gap.heading_rad);
-    c.max_curvature_jump_per_m = std::max(c.max_curvature_jump_per_m, gap.curvature_per_m);
-  }
-  return c;
 }
 
 }  // namespace roadgen

@@ -14,6 +14,7 @@ struct Located {
   // The nearest point beside the place of the sample before (at first, the road's start), which differs from that where
   // the road crosses or touches itself.
   std::size_t segment = 0;
+  double u = 0;    // of the segment
   double s_m = 0;  // of the road
 };
 

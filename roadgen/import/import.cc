@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 #include "roadgen/import/osm_file.h"
 #include "roadgen/import/osm_network.h"
 

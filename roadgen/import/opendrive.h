@@ -8,10 +8,14 @@
 //   borders, heights, materials and road marks. A record may begin anywhere: segments and sections are divided there, s
 //   of the file kept to kPlanArcTolerance_m a segment. Records within 2 mm of a joint are moved to it. Broken lines begin
 //   anew with each section.
-// * Objects and signals that are stop lines, crosswalks or arrows.
-// * The link of a closed road to itself; the origin in <geoReference> (+proj=ortho) or in userData "roadgen:origin".
-// Roads of junctions are read like all others. What is not kept (junctions, other links and objects, speeds, left-hand
-// traffic, ...) is told once per kind, and so is what no real road has, see odd_values.
+// * Objects and signals that are stop lines, crosswalks or arrows; guard rails and tunnels (xodr_sweeps.h).
+// * Links of roads and lanes; ends that are linked and meet are joined. The origin in <geoReference> (+proj=ortho) or
+//   in userData "roadgen:origin".
+// * Junctions, as nodes of the road graph and as areas: where the connecting roads of a crossing make one carriageway
+//   with its arms, the area is laid between the ends of the arms (add_crossing) and takes their place in pictures and
+//   queries (roads_in_areas); elsewhere a note says why the connecting roads stay (xodr_areas.h).
+// What is not kept (other objects, speeds, left-hand traffic, ...) is told once per kind, and so is what no real road
+// has, see odd_values, and links that do not agree.
 #pragma once
 
 #include <string>

@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 #include "roadgen/import/osm_junctions.h"
 #include "roadgen/import/osm_road.h"
 #include "roadgen/import/parallel.h"

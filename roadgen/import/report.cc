@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
+#include "roadgen/geodesy/local_frame.h"
 #include "roadgen/import/import.h"
-#include "roadgen/import/local_frame.h"
 
 namespace roadgen {
 namespace {
@@ -20,6 +20,8 @@ Json certificate_json(const Certificate& c, const Road& road, double allowed_err
           {"max_error_m", c.max_error_m},
           {"rms_error_m", c.rms_error_m},
           {"bound_m", c.bound_m},
+          {"source_to_curve_m", c.source_to_curve_m},
+          {"curve_to_source_m", c.curve_to_source_m},
           {"max_elevation_error_m", c.max_elevation_error_m},
           {"max_heading_jump_rad", c.max_heading_jump_rad},
           {"max_curvature_jump_per_m", c.max_curvature_jump_per_m}};

@@ -5,6 +5,8 @@
 
 #include <glm/common.hpp>
 
+#include "roadgen/import/xodr_sweeps.h"
+
 namespace roadgen {
 namespace {
 
@@ -148,23 +150,35 @@ std::optional<Paint> stop_line(XodrSource& source, const pugi::xml_node& signal,
                .against = orientation == "-"};
 }
 
+// Told once for each type.
+void note_unknown(XodrSource& source, const pugi::xml_node& element) {
+  const std::string name = element.name(), type = element.attribute("type").value();
+  if (name != "object") return source.note(element, "<" + name + "> of roads is not kept");
+  const std::string which = type.empty() ? "objects without a type" : "objects of type \"" + type + "\"";
+  source.note(element, which + (paint_kind(element) ? " askew to their road or without a size are not kept"
+                                                    : " other than paint and guard rails are not kept"));
+}
+
 }  // namespace
 
-std::vector<Paint> read_paint(XodrSource& source, const pugi::xml_node& node, const Road& road,
-                              const std::function<double(double)>& station_m) {
-  std::vector<Paint> all;
+void read_objects(XodrSource& source, const pugi::xml_node& node, Road& road,
+                  const std::function<double(double)>& station_m) {
+  std::vector<XodrSweep> sweeps;
   for (const pugi::xml_node object : node.child("objects").children()) {
-    if (object.type() != pugi::node_element) continue;
+    if (object.type() != pugi::node_element || read_sweeps(source, object, road, station_m, sweeps)) continue;
     std::optional<Paint> paint;
     if (object.name() == std::string_view("object")) paint = object_paint(source, object);
     if (!paint) {
-      source.note(object, "objects other than stop lines, crosswalks and arrows are not kept");
+      note_unknown(source, object);
       continue;
     }
-    if (object.child("repeat")) source.note(object, "<repeat> of objects is not kept");
+    if (object.child("repeat")) source.note(object, "<repeat> of paint is not kept");
     paint->s_m = station_m(paint->s_m);
-    all.push_back(*paint);
+    road.paint.push_back(*paint);
   }
+  std::stable_sort(sweeps.begin(), sweeps.end(),
+                   [](const XodrSweep& a, const XodrSweep& b) { return a.order < b.order; });
+  for (XodrSweep& found : sweeps) road.sweeps.push_back(std::move(found.sweep));
   for (const pugi::xml_node signal : node.child("signals").children()) {
     if (signal.type() != pugi::node_element) continue;
     std::optional<Paint> paint;
@@ -172,11 +186,10 @@ std::vector<Paint> read_paint(XodrSource& source, const pugi::xml_node& node, co
       paint = stop_line(source, signal, road, station_m(source.number(signal, "s")));
     }
     if (paint)
-      all.push_back(*paint);
+      road.paint.push_back(*paint);
     else
       source.note(signal, "signals other than stop lines (294) are not kept");
   }
-  return all;
 }
 
 }  // namespace roadgen

@@ -77,7 +77,9 @@ void RoadIndex::consider_junctions(glm::dvec3 point_m, bool with_height, std::op
 
 RoadIndex::RoadIndex(const Network& network) : network_(&network) {
   add_junctions();
+  const std::vector<bool> in_area = roads_in_areas(network);
   for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
+    if (in_area[road]) continue;
     const auto& segments = network.roads[road].segments;
     for (std::uint32_t i = 0; i < segments.size(); ++i) {
       Bounds b = bounds(segments[i]);

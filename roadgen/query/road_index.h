@@ -1,7 +1,8 @@
 // World to road: which road, and where along and across it, a point of the world belongs to.
 //
-// A static tree of boxes over the footprints of all segments. On a carriageway the answer is the road function's own
-// (project(), what the pixel shader evaluates), so a query and the picture agree; beside it, the truly nearest point.
+// A static tree of boxes over the footprints of all segments; roads in a junction's area are left out, since the area
+// is the ground there. On a carriageway the answer is the road function's own (project(), what the pixel shader
+// evaluates), so a query and the picture agree; beside it, the truly nearest point.
 #pragma once
 
 #include <cmath>

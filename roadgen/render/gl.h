@@ -87,6 +87,12 @@ class Texture : public Handle<TextureKind> {
     }
     return texture;
   }
+  // A buffer's content as texels, for samplerBuffer. Requires: the buffer outlives its use.
+  static Texture of_buffer(GLenum format, const Buffer& buffer) {
+    Texture texture = create(GL_TEXTURE_BUFFER);
+    glTextureBuffer(texture.id(), format, buffer.id());
+    return texture;
+  }
 
  private:
   using Handle::Handle;

@@ -170,7 +170,7 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
       glm::dvec4(phase(camera.position_m.x), phase(camera.position_m.y), 0.5 * pixel * width, 0.5 * pixel * height);
   u.forward = glm::dvec4(axes.forward, camera.near_m);
   u.right = glm::dvec4(axes.right, pixel);
-  u.up = glm::dvec4(axes.up, 0);
+  u.up = glm::dvec4(axes.up, std::min<double>(camera.far_m, std::numeric_limits<float>::max()));
   u.sun = glm::vec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg),
                     static_cast<float>(lighting.haze_range_m));
   u.ground = glm::dvec4(ground_low_m - camera.position_m.z, 1 / ground_relief_m, 0, 0);
@@ -301,7 +301,15 @@ Status Renderer::load_roads(const Network& network) {
     if (Status s = check_drawable(road); !s) return s;
   }
   if (Status s = state_->context.make_current(); !s) return s;
-  state_->roads = RoadTiles(road_scene(network), state_->options.gpu_budget_bytes);
+  RoadScene scene = road_scene(network);
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  if (scene.sections.size() > static_cast<std::size_t>(most)) {
+    return Error{ErrorCode::kData, "the roads' cross sections do not fit into a texture of this OpenGL driver: " +
+                                       std::to_string(scene.sections.size()) + " rows of at most " +
+                                       std::to_string(most)};
+  }
+  state_->roads = RoadTiles(std::move(scene), state_->options.gpu_budget_bytes);
   state_->junctions.upload(network);
   state_->sweeps.upload(network);
   return Done{};

@@ -10,6 +10,8 @@
 
 #include <glm/packing.hpp>
 
+#include "roadgen/road/crossing.h"
+
 namespace roadgen {
 namespace {
 
@@ -53,15 +55,18 @@ Table section_rows(const LaneSection& section) {
   const std::vector<Cubic> borders = section.borders_m();
   Levels levels;
   Table rows(2);
+  float reach = 0, grass = 0;
   for (std::size_t i = 0; i < borders.size(); ++i) {
     const std::size_t right = section.right.size();
     // The mark of a border belongs to the lane inside of it; the strip to the left of it is its own lane.
     const Mark& mark = i < right ? section.right[right - 1 - i].mark
                                  : (i == right ? section.center_mark : section.left[i - right - 1].mark);
+    reach = std::max(reach, static_cast<float>(mark.width_m + std::max(mark.space_m, 0.0)));
     glm::vec4 strip(static_cast<float>(mark.off_m), 0, 0, static_cast<float>(mark.phase_m));
     if (i + 1 < borders.size()) {
       const bool is_right = i < right;
       const Lane& lane = is_right ? section.right[right - 1 - i] : section.left[i - right];
+      if (lane.material == Material::kGrass) grass = 1;
       const std::size_t inner = levels.index(lane.inner_height_m), outer = levels.index(lane.outer_height_m);
       strip.y = strip_code(lane, is_right ? outer : inner, is_right ? inner : outer);
       strip.z = static_cast<float>(is_right ? static_cast<int>(i) - static_cast<int>(right)
@@ -71,7 +76,7 @@ Table section_rows(const LaneSection& section) {
     rows.push_back(glm::dvec4(mark_code(mark), mark.width_m, mark.space_m, mark.on_m));
     rows.push_back(strip);
   }
-  rows[0] = glm::vec4(static_cast<float>(borders.size()), static_cast<float>(levels.count()), 0, 0);
+  rows[0] = glm::vec4(static_cast<float>(borders.size()), static_cast<float>(levels.count()), reach, grass);
   const auto& h = levels.heights();
   rows[1] = glm::dvec4(h[0], h[1], h[2], h[3]);
   return rows;
@@ -199,8 +204,11 @@ RoadScene road_scene(const Network& network) {
   std::vector<std::vector<PlacedSection>> sections(network.roads.size());
   std::vector<PlacedSegment> all;
   all.reserve(network.segment_count());
+  // Strips on the rim of a junction's area have their depth as it has, the nearest within a pixel.
+  const std::vector<bool> in_area = roads_in_areas(network), on_rim = corner_roads(network);
   for (std::size_t i = 0; i < network.roads.size(); ++i) {
     const Road& road = network.roads[i];
+    if (in_area[i]) continue;  // the area is drawn
     for (const LaneSection& section : road.sections) {
       sections[i].push_back(
           {table.add(section), common_period_m(section), is_raised(section), lane_height_range_m(section)});
@@ -214,7 +222,7 @@ RoadScene road_scene(const Network& network) {
                                                     (j + 1 == road.segments.size() && !road.joined_end ? kOpenEnd : 0u);
       const Cubic::Range deviation = planar_deviation_m(segment);
       all.push_back({&segment, static_cast<std::uint32_t>(i), &section, tile_of(segment), segment.elevation_m.c0,
-                     std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
+                     !on_rim[i] && std::max(-deviation.low, deviation.high) <= kPlanarTolerance_m, flags});
     }
   }
   // By tile; within a tile from low to high, so that a bridge's antialiased edge fades over the road below it.

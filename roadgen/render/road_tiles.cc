@@ -70,6 +70,7 @@ RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
   }
   tiles_ = table_buffer(origins);
   sections_ = table_buffer(scene_.sections);
+  section_texels_ = gl::Texture::of_buffer(GL_RGBA32F, sections_);
   paint_ = table_buffer(scene_.paint);
   if (slot_count > 0) {
     pool_ = gl::Buffer::with_data(static_cast<GLsizeiptr>(slot_count * kPageBytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -93,7 +94,7 @@ void RoadTiles::draw(const TileView& view, bool cull, const std::array<Program, 
   }
   statistics_.drawn_tiles = visible_.size();
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tiles_.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, sections_.id());
+  glBindTextureUnit(1, section_texels_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, paint_.id());
   glBindVertexArray(vertex_array_.id());
   for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {

@@ -59,6 +59,7 @@ class RoadTiles {
   TileIndex index_;
   gl::VertexArray vertex_array_;
   gl::Buffer pool_, commands_, tiles_, sections_, paint_;
+  gl::Texture section_texels_;
   std::array<std::uint32_t, kRoadKinds> first_page_{};  // of each kind's instances
   std::list<Slot> slots_;                               // least recently used first
   std::vector<std::optional<std::list<Slot>::iterator>> slot_of_page_;

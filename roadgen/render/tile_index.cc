@@ -110,11 +110,11 @@ glm::dvec3 TileIndex::room_m(const TileView& view, glm::dvec3 low_m, glm::dvec3 
   const double pixel = 2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360) / view.height;
   const double away = glm::length(glm::max(-low_m, high_m));
   const double sine = std::max(std::max({low_m.z, -high_m.z, 0.0}) / away, kLeastSine);
-  const double room = std::clamp(2 * pixel * away / sine, 0.02, kGreatestRoom_m);
+  const double room = std::clamp(kEdgeRoom_px * pixel * away / sine, 0.02, kGreatestRoom_m);
   // Beside the road by the room; ahead by it and by what the joint's line, which leans by at most 45 degrees, then runs;
-  // up by two pixels and a grade of one half.
+  // up by as many pixels and a grade of one half.
   const double plane = std::sqrt(5.0) * room;
-  return {plane, plane, 0.5 * plane + 2 * pixel * away};
+  return {plane, plane, 0.5 * plane + kEdgeRoom_px * pixel * away};
 }
 
 double TileIndex::contribution(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m) {

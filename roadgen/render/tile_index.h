@@ -48,8 +48,9 @@ class TileIndex {
   // samples per pixel takes that band or misses it in steps of 1 / n.
   // A box at the eye's own height has reach 0, one beside or behind the image plane contributes 1.
   // What quads and boxes reach beyond a box of footprints, relative to the eye: room for edges that are antialiased over
-  // pixels which are long on the ground. An upper bound of room_at in shaders/road.vert.
-  static constexpr double kLeastSine = 0.003, kGreatestRoom_m = 25;
+  // pixels which are long on the ground. An upper bound of room_at in shaders/road.vert, whose ROOM is a hair less
+  // than kEdgeRoom_px.
+  static constexpr double kEdgeRoom_px = 1.51, kLeastSine = 0.003, kGreatestRoom_m = 25;
   static glm::dvec3 room_m(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m);
   static double contribution(const TileView& view, glm::dvec3 low_m, glm::dvec3 high_m);
 

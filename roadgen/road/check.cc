@@ -328,6 +328,7 @@ CheckReport check(const Network& network) {
   for (const Junction& junction : network.junctions) {
     for (std::string& problem : problems(junction)) report.problems.push_back(std::move(problem));
   }
+  for (std::string& problem : link_problems(network)) report.problems.push_back(std::move(problem));
   return report;
 }
 

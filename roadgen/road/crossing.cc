@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string_view>
 
 namespace roadgen {
 namespace {
 
 // Pieces of a corner's strips turn by at most this, so that strips as wide as the corner's radius stay certified.
 constexpr double kGreatestTurn_rad = 10 * std::numbers::pi / 180;
+// Of the radius of a bend, how far strips on its inside may reach: the mapping is certified short of the centre only.
+constexpr double kPartOfRadius = 0.9;
+constexpr const char* kCorner = ".corner.";
 // The junction's area reaches this far under the strips along its corners.
 constexpr double kUnderlap_m = 0.1;
 
@@ -17,39 +22,65 @@ bool is_beside(const Lane& lane) {
          lane.type == LaneType::kCurb || lane.type == LaneType::kNone;
 }
 
-std::size_t carriageway_lanes(const std::vector<Lane>& side) {
-  return static_cast<std::size_t>(std::find_if(side.begin(), side.end(), is_beside) - side.begin());
-}
-
-// The cross section at an end of a road, with every width a number.
-struct EndSection {
-  LaneSection section;
-  double left_m, right_m;  // t of the carriageway's edges along the road
+// The cross section at a place of a road: its lanes from right to left with their borders' t, one more; those from
+// `first` to before `last` are the carriageway.
+struct CrossSection {
+  std::vector<Lane> lanes;
+  std::vector<double> border_m;
+  std::size_t rights = 0;  // lanes right of the centre lane
+  std::size_t first = 0, last = 0;
 };
 
-std::vector<Lane> frozen(std::vector<Lane> lanes, double ds_m) {
-  for (Lane& lane : lanes) lane.width_m = {std::max(lane.width_m.value(ds_m), 0.0)};
-  return lanes;
+// A run of lanes without anything beside a carriageway between them: the one that holds the reference line, or else the
+// widest with a driving lane.
+void find_carriageway(CrossSection& c) {
+  double best = -1;
+  for (std::size_t i = 0; i < c.lanes.size();) {
+    std::size_t end = i;
+    bool driven = false;
+    for (; end < c.lanes.size() && !is_beside(c.lanes[end]); ++end) driven |= c.lanes[end].type == LaneType::kDriving;
+    const double right = c.border_m[i], left = c.border_m[end];
+    const double rank = right < 0 && left > 0 ? 1e300 : (driven ? left - right : 0);
+    if (end > i && rank > best) best = rank, c.first = i, c.last = end;
+    i = std::max(end, i + 1);
+  }
+  if (best < 0) c.first = c.last = c.rights;
 }
 
-EndSection section_at(const Road& road, bool at_end) {
+CrossSection cross_section(const Road& road, const Segment& segment, double local_s_m) {
+  const LaneSection& section = section_of(road, segment);
+  const double ds = section_offset_m(road, segment) + local_s_m;
+  CrossSection c;
+  c.rights = section.right.size();
+  c.lanes.assign(section.right.rbegin(), section.right.rend());
+  c.lanes.insert(c.lanes.end(), section.left.begin(), section.left.end());
+  for (Lane& lane : c.lanes) lane.width_m = {std::max(lane.width_m.value(ds), 0.0)};
+  c.border_m.resize(c.lanes.size() + 1);
+  c.border_m[c.rights] = section.offset_m.value(ds);
+  for (std::size_t i = c.rights; i > 0; --i) c.border_m[i - 1] = c.border_m[i] - c.lanes[i - 1].width_m.c0;
+  for (std::size_t i = c.rights; i < c.lanes.size(); ++i) c.border_m[i + 1] = c.border_m[i] + c.lanes[i].width_m.c0;
+  find_carriageway(c);
+  return c;
+}
+
+CrossSection section_at(const Road& road, bool at_end) {
   const Segment& segment = at_end ? road.segments.back() : road.segments.front();
-  const double ds = section_offset_m(road, segment) + (at_end ? segment.arc_m : 0);
-  EndSection end;
-  end.section = section_of(road, segment);
-  end.section.left = frozen(end.section.left, ds);
-  end.section.right = frozen(end.section.right, ds);
-  end.left_m = end.right_m = end.section.offset_m.value(ds);
-  for (std::size_t i = 0; i < carriageway_lanes(end.section.left); ++i) end.left_m += end.section.left[i].width_m.c0;
-  for (std::size_t i = 0; i < carriageway_lanes(end.section.right); ++i) end.right_m -= end.section.right[i].width_m.c0;
-  return end;
+  return cross_section(road, segment, at_end ? segment.arc_m : 0);
 }
 
 // What lies beside the carriageway, outward; on the left or on the right of one who looks into the junction.
 std::vector<Lane> strips(const Road& road, bool at_end, bool on_left) {
-  const LaneSection section = section_at(road, at_end).section;
-  const std::vector<Lane>& side = on_left == at_end ? section.left : section.right;
-  return {side.begin() + static_cast<std::ptrdiff_t>(carriageway_lanes(side)), side.end()};
+  const CrossSection c = section_at(road, at_end);
+  const auto at = [&](std::size_t i) { return c.lanes.begin() + static_cast<std::ptrdiff_t>(i); };
+  const bool left = on_left == at_end;
+  std::vector<Lane> beside(at(left ? c.last : 0), at(left ? c.lanes.size() : c.first));
+  // A lane's inner border is that toward the centre lane, which may lie beyond.
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    const bool is_left = (left ? c.last : 0) + i >= c.rights;
+    if (is_left != left) std::swap(beside[i].inner_height_m, beside[i].outer_height_m);
+  }
+  if (!left) std::reverse(beside.begin(), beside.end());
+  return beside;
 }
 
 // Strips of one type go from one width to the other; what only one side has tapers away.
@@ -95,6 +126,44 @@ std::vector<Segment> fine_pieces(const std::vector<Segment>& corner, double widt
   return pieces;
 }
 
+// Greatest width of the strips at every joint of the corner's pieces, the ends included: in a bend to the right they reach
+// no farther than shortly before its centre, where the cuts of both arms meet.
+std::vector<double> room_m(const std::vector<Segment>& pieces) {
+  std::vector<double> room(pieces.size() + 1, 1e300);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    double most = 0;
+    for (int k = 0; k <= 8; ++k) most = std::max(most, -curvature_per_m(pieces[i], k / 8.0));
+    if (most > 0) room[i] = std::min(room[i], kPartOfRadius / most), room[i + 1] = kPartOfRadius / most;
+  }
+  return room;
+}
+
+// The strips' section, or one for every piece where the corner has not room for all their width.
+std::vector<LaneSection> corner_sections(const std::vector<Segment>& pieces, const std::vector<Lane>& strips) {
+  const std::vector<double> room = room_m(pieces);
+  const auto part = [&](std::size_t joint) {
+    const double s = joint < pieces.size() ? pieces[joint].s_start_m : pieces.back().s_start_m + pieces.back().arc_m;
+    double width = 0;
+    for (const Lane& lane : strips) width += lane.width_m.value(s);
+    return std::min(1.0, room[joint] / std::max(width, 1e-9));
+  };
+  bool fits = true;
+  for (std::size_t i = 0; i <= pieces.size(); ++i) fits = fits && part(i) == 1;
+  std::vector<LaneSection> sections(fits ? 1 : pieces.size());
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    sections[i].right = strips;
+    if (fits) break;
+    sections[i].s_m = pieces[i].s_start_m;
+    for (Lane& lane : sections[i].right) {
+      const Cubic whole = lane.width_m.shifted(pieces[i].s_start_m);
+      lane.width_m =
+          Cubic::hermite(part(i) * whole.value(0), part(i) * whole.slope(0), part(i + 1) * whole.value(pieces[i].arc_m),
+                         part(i + 1) * whole.slope(pieces[i].arc_m), pieces[i].arc_m);
+    }
+  }
+  return sections;
+}
+
 Result<Road> corner_road(std::string id, const std::vector<Segment>& corner, const JunctionArm& from,
                          const JunctionArm& to, const std::vector<Lane>& beside_from,
                          const std::vector<Lane>& beside_to) {
@@ -108,14 +177,23 @@ Result<Road> corner_road(std::string id, const std::vector<Segment>& corner, con
   road.joined_start = road.joined_end = true;
   road.segments = fine_pieces(corner, std::max(total(beside_from), total(beside_to)));
   chain_arc_lengths(road);
-  LaneSection section;
-  section.right = joined(beside_from, beside_to, road.length_m());
-  if (Status s = set_sections(road, {section}); !s) return s.error();
+  const std::vector<Lane> strips = joined(beside_from, beside_to, road.length_m());
+  if (Status s = set_sections(road, corner_sections(road.segments, strips)); !s) return s.error();
   // The slope across goes on from the one arm and into the other, which is seen against its direction.
   const Cubic bank = Cubic::hermite(std::atan(from.tilt + from.crossfall_right), 0,
                                     std::atan(to.crossfall_left - to.tilt), 0, road.length_m());
   for (Segment& segment : road.segments) segment.superelevation_rad = bank.shifted(segment.s_start_m);
   return road;
+}
+
+// Puts the arm's origin from the reference line into the middle of a carriageway that lies to one side of it.
+void move_to_middle(JunctionArm& arm) {
+  const double n = 0.5 * (arm.left_m + arm.right_m);
+  arm.position_m = cut_point_m(arm, n);
+  arm.elevation_m = cut_height_m(arm, n);
+  arm.tilt += n > 0 ? -arm.crossfall_left : arm.crossfall_right;
+  arm.crossfall_left = arm.crossfall_right = 0;
+  arm.left_m -= n, arm.right_m -= n;
 }
 
 Road* find(Network& network, const std::string& id) {
@@ -125,10 +203,26 @@ Road* find(Network& network, const std::string& id) {
 
 }  // namespace
 
+std::vector<bool> corner_roads(const Network& network) {
+  std::set<std::string_view> areas;
+  for (const Junction& junction : network.junctions) areas.insert(junction.id);
+  std::vector<bool> corners;
+  for (const Road& road : network.roads) {
+    const std::size_t at = road.id.rfind(kCorner);
+    corners.push_back(at != road.id.npos && areas.contains(std::string_view(road.id).substr(0, at)));
+  }
+  return corners;
+}
+
+Carriageway carriageway_at(const Road& road, const Segment& segment, double local_s_m) {
+  const CrossSection c = cross_section(road, segment, local_s_m);
+  return {c.border_m[c.last], c.border_m[c.first]};
+}
+
 JunctionArm arm_of(const Road& road, bool at_end) {
   const Segment& segment = at_end ? road.segments.back() : road.segments.front();
   const double s = at_end ? segment.arc_m : 0, sign = at_end ? 1 : -1;
-  const EndSection end = section_at(road, at_end);
+  const Carriageway end = carriageway_at(road, segment, s);
   const double bank = segment.superelevation_rad.value(s);
   const Linear &left = at_end ? segment.crossfall_left : segment.crossfall_right,
                &right = at_end ? segment.crossfall_right : segment.crossfall_left;
@@ -145,6 +239,7 @@ JunctionArm arm_of(const Road& road, bool at_end) {
   arm.tilt = sign * std::tan(bank);
   arm.crossfall_left = left.value(s);
   arm.crossfall_right = right.value(s);
+  if (arm.left_m < 0 || arm.right_m > 0) move_to_middle(arm);
   return arm;
 }
 
@@ -165,7 +260,7 @@ Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad>
     const std::vector<Lane> beside_from = strips_of(from, false), beside_to = strips_of(to, true);
     if (beside_from.empty() && beside_to.empty()) continue;
     Result<Road> road =
-        corner_road(id + ".corner." + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
+        corner_road(id + kCorner + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
     if (!road) return road.error();
     corners.push_back(std::move(*road));
   }
@@ -192,6 +287,7 @@ Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>
   for (const RoadEnd& end : ends) {
     Road& road = *find(network, end.road);
     (end.at_end ? road.joined_end : road.joined_start) = true;
+    (end.at_end ? road.successor : road.predecessor) = {.to = RoadLink::To::kJunction, .id = id};
   }
   network.junctions.push_back(std::move(crossing->junction));
   std::move(crossing->corners.begin(), crossing->corners.end(), std::back_inserter(network.roads));

@@ -9,12 +9,23 @@
 
 namespace roadgen {
 
+// For every road of the network whether add_crossing made it for the corner of a junction that has an area. Cost:
+// O(n log n).
+std::vector<bool> corner_roads(const Network& network);
+
 struct RoadEnd {
   std::string road;     // id
   bool at_end = false;  // the road's end, otherwise its start
 };
 
-// How a road's end meets a junction. The carriageway reaches outward to the first kerb, sidewalk, verge or raised lane.
+// The edges of a road's carriageway, as t: the lanes about the reference line as far as the first kerb, sidewalk, verge
+// or raised lane; where these lie at the reference line itself, the widest lanes without one between them that are driven.
+struct Carriageway {
+  double left_m, right_m;
+};
+Carriageway carriageway_at(const Road& road, const Segment& segment, double local_s_m);
+
+// How a road's end meets a junction.
 JunctionArm arm_of(const Road& road, bool at_end);
 
 // A junction and the roads along its corners.
@@ -34,7 +45,7 @@ Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad>
                                const JunctionOptions& options = {}, Diagnostics* diagnostics = nullptr);
 
 // Adds to the network the junction `id` that the given ends of its roads form, and the roads along its corners (see
-// make_crossing). Ends in the junction are marked as joined, so markings and surfaces end at its cut.
+// make_crossing). Ends in the junction are marked as joined, so markings and surfaces end at its cut, and linked to it.
 // Diagnostics: as make_junction. Errors: as make_junction; kGeometry for an end of a road that the network lacks or that
 // is closed. The network is unchanged then.
 Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends,

@@ -479,7 +479,7 @@ Result<Junction> make_junction(std::string id, std::vector<JunctionArm> arms, co
   }
   if (const std::string fault = arms_fault(arms); !fault.empty()) return fail(fault);
   sort_arms(arms);
-  Junction junction{id, std::move(arms), {}};
+  Junction junction{id, std::move(arms), {}, options.corner_radius_m};
   for (std::size_t i = 0; i < junction.arms.size(); ++i) {
     const JunctionArm &arm = junction.arms[i], &next = junction.arms[(i + 1) % junction.arms.size()];
     const std::string between = "between " + name_of(arm) + " and " + name_of(next);

@@ -25,7 +25,8 @@ namespace roadgen {
 struct JunctionArm {
   std::string road;             // id
   bool at_end = false;          // the road's end touches the junction, otherwise its start
-  glm::dvec2 position_m{0, 0};  // of the reference line at the cut, ENU
+  // Of the reference line at the cut, or of any other line of the road between its carriageway's edges; ENU.
+  glm::dvec2 position_m{0, 0};
   double heading_rad = 0;       // into the junction, counter-clockwise from east
   double left_m = 3.5;          // lateral offset of the carriageway's left edge, >= 0
   double right_m = -3.5;        // and of its right edge, <= 0, less than left_m
@@ -45,6 +46,7 @@ struct Junction {
   std::vector<JunctionArm> arms;              // counter-clockwise
   std::vector<std::vector<Segment>> corners;  // [i]: from the right edge of arm i to the left edge of the next arm,
                                               // area on its left; s_start_m from 0, elevation_m set
+  double corner_radius_m = 0;                 // that make_junction was asked for: arms and it give the corners again
   double underlap_m = 0;  // how far the area is drawn beyond its corners, under strips that lie along them
 };
 

@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "roadgen/road/sweep_piece.h"
+
 namespace roadgen {
 namespace {
 
@@ -167,18 +169,37 @@ Bounds bounds(const Junction& junction) {
   return b;
 }
 
+// The part's box is that of the curve between its ends; these lean from it by the curve's slope.
+Bounds bounds(const Road& road, const SweepPart& part) {
+  const Segment& segment = road.segments[part.segment];
+  const Lib::SweepPiece& piece = part.piece;
+  const double chord = segment.chord_length_m(), a = segment.slope_start, b = segment.slope_end;
+  double steep = 0;
+  for (const double u : {piece.u0, piece.u1}) steep = std::max(steep, std::abs(Lib::road_df(u, a, b)));
+  const Cubic::Range f = curve_range(a, b);
+  const double widest = std::max(piece.y1 - chord * f.low, chord * f.high - piece.y0);
+  Bounds box;
+  for (const double x : {piece.u0 - steep * widest / chord, piece.u1 + steep * widest / chord}) {
+    for (const double y : {piece.y0, piece.y1}) {
+      const glm::dvec2 p = from_chord(segment, {x, y / chord});
+      box.add({p, segment.elevation_m.c0 + piece.z0});
+      box.add({p, segment.elevation_m.c0 + piece.z1});
+    }
+  }
+  return box;
+}
+
 Bounds bounds(const Network& network) {
   Bounds all;
-  for (const Junction& junction : network.junctions) {
-    const Bounds b = bounds(junction);
+  const auto add = [&](const Bounds& b) {
     all.add(b.low_m);
     all.add(b.high_m);
-  }
+  };
+  for (const Junction& junction : network.junctions) add(bounds(junction));
   for (const Road& road : network.roads) {
-    for (const Segment& segment : road.segments) {
-      const Bounds b = bounds(segment);
-      all.add(b.low_m);
-      all.add(b.high_m);
+    for (const Segment& segment : road.segments) add(bounds(segment));
+    for (std::size_t i = 0; i < road.sweeps.size(); ++i) {
+      for (const SweepPart& part : sweep_parts(road, i)) add(bounds(road, part));
     }
   }
   return all;

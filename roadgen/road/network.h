@@ -10,12 +10,15 @@
 
 #include "roadgen/road/junction.h"
 #include "roadgen/road/lane.h"
+#include "roadgen/road/link.h"
 #include "roadgen/road/paint.h"
 #include "roadgen/road/result.h"
 #include "roadgen/road/segment.h"
 #include "roadgen/road/sweep.h"
 
 namespace roadgen {
+
+struct SweepPart;
 
 // Where the network stands on the Earth: ENU about an origin on the WGS84 ellipsoid.
 struct Georeference {
@@ -32,6 +35,9 @@ struct Road {
   bool closed = false;            // the last segment ends at the first one's start
   bool joined_start = false;      // what lies before the start, a junction or a road, joins it without an edge
   bool joined_end = false;        // and beyond the end
+  RoadLink predecessor = {};      // what lies before the start; nothing where the road is closed
+  RoadLink successor = {};        // and beyond the end
+  std::string junction = {};      // id of the junction that the road leads through, or empty
   std::vector<Segment> segments;  // s_start_m increasing from 0
   // The cross sections, s_m increasing from 0, each from the start of a segment on. Never empty where there are
   // segments: set_sections or two_lane_sections.
@@ -46,7 +52,8 @@ struct Network {
   std::string name;
   std::optional<Georeference> georeference;  // none for plain x, y input
   std::vector<Road> roads;
-  std::vector<Junction> junctions;
+  std::vector<Junction> junctions;                 // areas
+  std::vector<JunctionLinks> junction_links = {};  // the graph's nodes, with or without an area
 
   const Road* find_road(const std::string& id) const;
   std::size_t segment_count() const;
@@ -90,7 +97,7 @@ double section_offset_m(const Road& road, const Segment& segment);
 // Sets s_start_m of every segment from the arc lengths.
 void chain_arc_lengths(Road& road);
 
-// Bounds of all footprints. Empty network: low > high.
+// Bounds of all footprints, junction areas and sweeps. Empty network: low > high.
 struct Bounds {
   glm::dvec3 low_m{1e300, 1e300, 1e300};
   glm::dvec3 high_m{-1e300, -1e300, -1e300};
@@ -98,7 +105,8 @@ struct Bounds {
   bool empty() const { return low_m.x > high_m.x; }
 };
 Bounds bounds(const Segment& segment);
-Bounds bounds(const Junction& junction);  // of its outline
+Bounds bounds(const Junction& junction);                 // of its outline
+Bounds bounds(const Road& road, const SweepPart& part);  // of its box
 Bounds bounds(const Network& network);
 
 // What happens at the joint from one segment to the next; all absolute values.
@@ -139,9 +147,9 @@ struct OddValues {
 // Cost: O(segments log segments).
 OddValues odd_values(const Road& road);
 
-// The above for every road, the problems() of junctions, and what roadgen promises of every road. Limits: position
-// 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bounds kMappingTolerance of the half width,
-// elevation gap 1e-6 m, widths positive, numbers finite.
+// The above for every road, the problems() of junctions and sweeps, the link_problems(), and what roadgen promises of
+// every road. Limits: position 1e-9 m and heading 1e-9 rad at joints relative to coordinates' size, mapping bounds
+// kMappingTolerance of the half width, elevation gap 1e-6 m, widths positive, numbers finite.
 CheckReport check(const Network& network);
 
 }  // namespace roadgen

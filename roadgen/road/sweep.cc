@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <tuple>
+#include <type_traits>
 
 #include "roadgen/road/network.h"
 #include "roadgen/road/sweep_piece.h"
@@ -74,7 +76,51 @@ void check_shape(const Cable& x, Findings& found) {
   found.at_least(x.pole_above_m, 0, true, "the height of the cable's poles above it");
 }
 
+auto members(auto& shape) {
+  using Shape = std::remove_cvref_t<decltype(shape)>;
+  auto& x = shape;
+  if constexpr (std::is_same_v<Shape, Tunnel>) {
+    return std::tie(x.half_width_m, x.wall_height_m, x.arch_rise_m, x.lining_m, x.head_wall_m, x.head_margin_m,
+                    x.walkway_m, x.lamp_spacing_m);
+  } else if constexpr (std::is_same_v<Shape, GuardRail>) {
+    return std::tie(x.top_m, x.beam_height_m, x.beam_depth_m, x.sheet_m, x.post_spacing_m, x.post_along_m,
+                    x.post_across_m);
+  } else if constexpr (std::is_same_v<Shape, Pipe>) {
+    return std::tie(x.radius_m, x.height_m);
+  } else {
+    return std::tie(x.radius_m, x.height_m, x.span_m, x.sag_m, x.pole_radius_m, x.pole_above_m);
+  }
+}
+
+template <class Shape>
+std::optional<SweepShape> shape_from(std::span<const double> numbers) {
+  Shape shape;
+  auto all = members(shape);
+  if (numbers.size() != std::tuple_size_v<decltype(all)>) return std::nullopt;
+  std::size_t next = 0;
+  std::apply([&](auto&... member) { ((member = numbers[next++]), ...); }, all);
+  return shape;
+}
+
 }  // namespace
+
+std::vector<double> shape_numbers(const SweepShape& shape) {
+  return std::visit(
+      [](const auto& x) {
+        return std::apply([](const auto&... member) { return std::vector<double>{member...}; }, members(x));
+      },
+      shape);
+}
+
+std::optional<SweepShape> shape_from_numbers(SweepKind kind, std::span<const double> numbers) {
+  switch (kind) {
+    case SweepKind::kTunnel: return shape_from<Tunnel>(numbers);
+    case SweepKind::kGuardRail: return shape_from<GuardRail>(numbers);
+    case SweepKind::kPipe: return shape_from<Pipe>(numbers);
+    case SweepKind::kCable: return shape_from<Cable>(numbers);
+  }
+  return std::nullopt;
+}
 
 std::vector<std::string> bad_numbers(const Road& road, const Sweep& sweep) {
   Findings found{road, sweep.s_start_m, {}};

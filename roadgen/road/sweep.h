@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -27,6 +28,7 @@ struct Tunnel {
   double head_margin_m = 1.2;  // of the head walls beyond the lining, to the sides and above; >= 0
   double walkway_m = 1.5;      // width of the walkways along both walls, in [0, half_width_m)
   double lamp_spacing_m = 12;  // > 0
+  bool operator==(const Tunnel&) const = default;
 };
 
 // A W beam (two ridges toward the road) on posts behind it. t is that of the beam's back.
@@ -39,11 +41,13 @@ struct GuardRail {
   double post_spacing_m = 4;    // >= 0.5; 0: no posts
   double post_along_m = 0.06;   // sides of a post; > 0
   double post_across_m = 0.12;
+  bool operator==(const GuardRail&) const = default;
 };
 
 struct Pipe {
   double radius_m = 0.3;  // > 0
   double height_m = 0.6;  // of the axis above the road
+  bool operator==(const Pipe&) const = default;
 };
 
 // A cable in parabolas between poles that stand every span_m from its start.
@@ -54,6 +58,7 @@ struct Cable {
   double sag_m = 0.9;           // in the middle of a whole span, shorter ones less by the square; in [0, height_m)
   double pole_radius_m = 0.13;  // 0: no poles
   double pole_above_m = 0.3;    // of the poles above the cable
+  bool operator==(const Cable&) const = default;
 };
 
 // Order as SweepShape's alternatives.
@@ -69,7 +74,12 @@ struct Sweep {
   std::optional<glm::dvec3> albedo = {};  // linear, [0, 1]; default: the kind's material
 
   SweepKind kind() const { return static_cast<SweepKind>(shape.index()); }
+  bool operator==(const Sweep&) const = default;
 };
+
+// The numbers of a shape in the order of its members, for files; and back, none where that kind has another count.
+std::vector<double> shape_numbers(const SweepShape& shape);
+std::optional<SweepShape> shape_from_numbers(SweepKind kind, std::span<const double> numbers);
 
 // How deep walls, posts and poles reach below the road's height.
 inline constexpr double kSweepFoot_m = 0.6;

@@ -16,9 +16,17 @@ FN float filter_step(IN(float) d, IN(float) a, IN(float) b) {
   return d > 0.0 ? 1.0 - beyond : beyond;
 }
 
-// Part of the pixel where the coordinate x lies in [low, high].
+// Part of the pixel where the coordinate x lies in [low, high]. wa, wb: the relative changes of 1 / depth; on a plane, not
+// x but x / depth is linear in the picture, so that at an edge its gradient is that of x and of 1 / depth, weighted.
+FN float filter_band(IN(float) x, IN(float) low, IN(float) high, IN(float) a, IN(float) b, IN(float) wa,
+                     IN(float) wb) {
+  float l = x - low;
+  float h = x - high;
+  return max(filter_step(l, a + l * wa, b + l * wb) - filter_step(h, a + h * wa, b + h * wb), float(0.0));
+}
+
 FN float filter_band(IN(float) x, IN(float) low, IN(float) high, IN(float) a, IN(float) b) {
-  return max(filter_step(x - low, a, b) - filter_step(x - high, a, b), float(0.0));
+  return filter_band(x, low, high, a, b, float(0.0), float(0.0));
 }
 
 // Integral from 0 to x of the pulse train that is 1 on [n period, n period + on).
@@ -42,17 +50,19 @@ FN float marking_dash(IN(float) x, IN(float) period, IN(float) on, IN(float) a, 
   return 0.5 * (marking_dash_box(x - offset, period, on, wide) + marking_dash_box(x + offset, period, on, wide));
 }
 
-// Part of the pixel covered by a border's mark. x: t from the border, s: along the road; the gradients of both.
+// Part of the pixel covered by a border's mark. x: t from the border, s: along the road; the gradients of both
+// and the relative ones of 1 / depth.
 // Kinds: 1 solid, 2 broken, then two lines, right and left: 3 solid solid, 4 solid broken, 5 broken solid,
 // 6 broken broken.
 FN float marking_border(IN(int) kind, IN(float) x, IN(float) s, IN(float) width, IN(float) space, IN(float) on,
-                        IN(float) off, IN(float) ta, IN(float) tb, IN(float) sa, IN(float) sb) {
+                        IN(float) off, IN(float) ta, IN(float) tb, IN(float) sa, IN(float) sb, IN(float) wa,
+                        IN(float) wb) {
   float dash = float(1.0);
   if (kind == 2 || kind >= 4) dash = marking_dash(s, max(on + off, float(1e-3)), on, sa, sb);
-  if (kind <= 2) return filter_band(x, -0.5 * width, 0.5 * width, ta, tb) * dash;
+  if (kind <= 2) return filter_band(x, -0.5 * width, 0.5 * width, ta, tb, wa, wb) * dash;
   float near = 0.5 * space;
-  float right = filter_band(x, -near - width, -near, ta, tb);
-  float left = filter_band(x, near, near + width, ta, tb);
+  float right = filter_band(x, -near - width, -near, ta, tb, wa, wb);
+  float left = filter_band(x, near, near + width, ta, tb, wa, wb);
   return clamp(right * (kind >= 5 ? dash : float(1.0)) + left * (kind == 4 || kind == 6 ? dash : float(1.0)),
                float(0.0), float(1.0));
 }

@@ -63,7 +63,8 @@ FN float noise_fractal(IN(float) x, IN(float) y, IN(float) wavelength, IN(int) o
   float length_m = wavelength;
   for (int octave = 0; octave < octaves; ++octave) {
     float band = noise_band(length_m, footprint);
-    if (band > 0.0) sum += weight * band * noise_value(x, y, length_m);
+    if (!(band > 0.0)) break;  // nor do finer ones
+    sum += weight * band * noise_value(x, y, length_m);
     weight *= gain;
     length_m *= 0.5;
   }
@@ -114,7 +115,8 @@ FN float noise_fractal_box(IN(float) x, IN(float) y, IN(float) wavelength, IN(in
   for (int octave = 0; octave < octaves; ++octave) {
     float cells = max(width_x / length_m, float(1.0)) * max(width_y / length_m, float(1.0));
     float band = clamp(2.0 - 0.125 * cells, float(0.0), float(1.0));
-    if (band > 0.0) sum += weight * band * noise_value_box(x, y, length_m, width_x, width_y);
+    if (!(band > 0.0)) break;  // nor do finer ones
+    sum += weight * band * noise_value_box(x, y, length_m, width_x, width_y);
     weight *= gain;
     length_m *= 0.5;
   }

@@ -32,6 +32,14 @@ FN float surface_arc(IN(float) u, IN(RoadSurface) r) {
   return r.chord * road_arc(u, r.a, r.b, r.arc / r.chord, r.c0, r.c1);
 }
 
+// s at a place that road_project has found: before and behind the segment, the tangent at the anchor goes on.
+FN float surface_s(IN(RoadCoord) c, IN(float) x, IN(float) y, IN(RoadSurface) r) {
+  float s = surface_arc(c.u, r);
+  if (c.u > 0.0 && c.u < 1.0) return s;
+  float df = road_df(c.u, r.a, r.b);
+  return s + r.chord * ((x - c.u) + (y - road_f(c.u, r.a, r.b)) * df) / sqrt(1.0 + df * df);
+}
+
 // What the surface does at (s, n).
 struct SurfaceSlope {
   float height;  // m above the start anchor
@@ -53,12 +61,24 @@ FN SurfaceSlope surface_at(IN(float) s, IN(float) n, IN(RoadSurface) r) {
   return z;
 }
 
+// The same; before and behind the segment, the profile goes on with the slope and the curvature that it has there.
+FN SurfaceSlope surface_beyond(IN(float) s, IN(float) n, IN(RoadSurface) r) {
+  float inside = clamp(s, float(0.0), r.arc);
+  float beyond = s - inside;
+  float bend = 2.0 * r.z2 + 6.0 * r.z3 * inside;
+  SurfaceSlope z = surface_at(inside, n, r);
+  z.height += beyond * (z.ahead + 0.5 * bend * beyond);
+  z.ahead += bend * beyond;
+  return z;
+}
+
 struct RoadHit {
   float k;         // along the ray
   float x;         // chord frame
   float y;
   float u;
   float v;
+  float s;
   float residual;  // |z of the ray - z of the surface| at the end of the iteration, m
 };
 
@@ -72,11 +92,11 @@ FN float surface_chord_plane(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
   return (rise * x + tilt * y - z) / approach;
 }
 
-// The ray (x, y, z) + k (dx, dy, dz) at k against the surface: where that is, its height above the surface, and the k of
-// Newton's next step. From equation 1, du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f''), and n changes with the part of
+// The ray (x, y, z) + k (dx, dy, dz) at k against the surface: where that is, its height above the surface, and how fast
+// that changes with k (never 0, so that Newton's next step is k - above / climb). From equation 1, du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f''), and n changes with the part of
 // (dx, dy) across the tangent.
 FN RoadHit surface_step(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz, IN(float) k,
-                        IN(RoadSurface) r, OUT(float) above, OUT(float) next) {
+                        IN(RoadSurface) r, OUT(float) above, OUT(float) climb) {
   RoadHit hit;
   hit.k = k;
   hit.x = x + k * dx;
@@ -84,17 +104,18 @@ FN RoadHit surface_step(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
   RoadCoord c = road_project(hit.x, hit.y, r.a, r.b);
   hit.u = c.u;
   hit.v = c.v;
-  SurfaceSlope surface = surface_at(surface_arc(c.u, r), c.v * r.chord, r);
+  hit.s = surface_s(c, hit.x, hit.y, r);
+  SurfaceSlope surface = surface_beyond(hit.s, c.v * r.chord, r);
   above = z + k * dz - surface.height;
   hit.residual = abs(above);
   float df = road_df(c.u, r.a, r.b);
   float turn = max(1.0 + df * df - (hit.y - road_f(c.u, r.a, r.b)) * road_ddf(c.u, r.a, r.b), float(0.05));
-  float du = (c.u > 0.0 && c.u < 1.0) ? (dx + df * dy) / turn : float(0.0);
-  float ds = r.chord * road_darc(c.u, r.a, r.b, r.arc / r.chord, r.c0, r.c1) * du;
-  float dn = r.chord * (dy - df * dx) / sqrt(1.0 + df * df);
-  float closing = dz - surface.ahead * ds - surface.aside * dn;
-  closing = abs(closing) < 1e-6 ? float(-1e-6) : closing;
-  next = k - above / closing;
+  float slant = sqrt(1.0 + df * df);
+  float ahead = c.u > 0.0 && c.u < 1.0 ? road_darc(c.u, r.a, r.b, r.arc / r.chord, r.c0, r.c1) / turn : 1.0 / slant;
+  float ds = r.chord * ahead * (dx + df * dy);
+  float dn = r.chord * (dy - df * dx) / slant;
+  climb = dz - surface.ahead * ds - surface.aside * dn;
+  climb = abs(climb) < 1e-6 ? float(-1e-6) : climb;
   return hit;
 }
 
@@ -103,17 +124,21 @@ FN RoadHit surface_step(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
 FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
                              IN(float) k_start, IN(float) k_low, IN(float) k_high, IN(RoadSurface) r) {
   float above;
-  float next;
-  RoadHit hit = surface_step(x, y, z, dx, dy, dz, clamp(k_start, k_low, k_high), r, above, next);
-  for (int i = 0; i < 6; ++i) hit = surface_step(x, y, z, dx, dy, dz, clamp(next, k_low, k_high), r, above, next);
+  float climb;
+  RoadHit hit = surface_step(x, y, z, dx, dy, dz, clamp(k_start, k_low, k_high), r, above, climb);
+  for (int i = 0; i < 6; ++i) {
+    hit = surface_step(x, y, z, dx, dy, dz, clamp(hit.k - above / climb, k_low, k_high), r, above, climb);
+  }
   return hit;
 }
 
 // Height of the ray above the surface at k.
 FN float surface_above(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz, IN(float) k,
                        IN(RoadSurface) r) {
-  RoadCoord c = road_project(x + k * dx, y + k * dy, r.a, r.b);
-  return z + k * dz - surface_at(surface_arc(c.u, r), c.v * r.chord, r).height;
+  float px = x + k * dx;
+  float py = y + k * dy;
+  RoadCoord c = road_project(px, py, r.a, r.b);
+  return z + k * dz - surface_beyond(surface_s(c, px, py, r), c.v * r.chord, r).height;
 }
 
 // The same, whatever the ray: Newton from the plane through the chord, to a residual of a fiftieth of tolerance; where
@@ -134,10 +159,10 @@ FN RoadHit surface_find(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
   int left = 7;  // steps left for it
   for (int i = 0; i < 40; ++i) {
     float above;
-    float next;
-    hit = surface_step(x, y, z, dx, dy, dz, clamp(k, low, high), r, above, next);
+    float climb;
+    hit = surface_step(x, y, z, dx, dy, dz, clamp(k, low, high), r, above, climb);
     left = left - 1;
-    k = next;
+    k = hit.k - above / climb;
     if (task == 1) {
       first = above;
       task = 2;
@@ -172,5 +197,36 @@ FN RoadHit surface_find(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
     }
   }
   if (task == 4 && !(hit.residual <= tolerance && abs(hit.v) < abs(other.v))) return other;
+  return hit;
+}
+
+// Where between k_low and k_high, at which its height above the surface has the changes climb_low < 0 < climb_high (or
+// the reverse), the ray comes nearest to the surface: false position on the change, an end that stays twice halved
+// (Illinois).
+FN RoadHit surface_nearest(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
+                           IN(float) k_low, IN(float) k_high, IN(float) climb_low, IN(float) climb_high,
+                           IN(RoadSurface) r) {
+  float low = k_low;
+  float high = k_high;
+  float first = climb_low;
+  float last = climb_high;
+  float before = float(0.0);
+  RoadHit hit;
+  for (int i = 0; i < 8; ++i) {
+    float above;
+    float climb;
+    hit = surface_step(x, y, z, dx, dy, dz, (low * last - high * first) / (last - first), r, above, climb);
+    bool again = climb * before > 0.0;
+    if (climb * first > 0.0) {
+      low = hit.k;
+      first = climb;
+      if (again) last = 0.5 * last;
+    } else {
+      high = hit.k;
+      last = climb;
+      if (again) first = 0.5 * first;
+    }
+    before = climb;
+  }
   return hit;
 }

@@ -59,7 +59,7 @@ Markings bake(const LaneSection& section) {
                                      : (k == right ? section.center_mark : section.left[k - right - 1].mark);
         if (mark.kind != MarkKind::kNone) {
           paint += Lib::marking_border(static_cast<int>(mark.kind), t - borders[k].c0, s, mark.width_m, mark.space_m,
-                                       mark.on_m, mark.off_m, 0.0, dt, ds, 0.0);
+                                       mark.on_m, mark.off_m, 0.0, dt, ds, 0.0, 0.0, 0.0);
         }
         if (k + 1 == borders.size() || t < borders[k].c0 || t >= borders[k + 1].c0) continue;
         const Lane& lane = k < right ? section.right[right - 1 - k] : section.left[k - right];

@@ -353,7 +353,9 @@ Status MeshScene::draw(const Camera& camera, int width, int height, int samples,
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, s.commands.id());
     glEnable(GL_CULL_FACE);
     glCullFace(GL_BACK);
+    glEnable(GL_CLIP_DISTANCE0);  // the far plane
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(list.size()), 0);
+    glDisable(GL_CLIP_DISTANCE0);
     glDisable(GL_CULL_FACE);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
   }

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -144,9 +145,11 @@ Scene scene(const std::string& name) {
 class FlatShaders {
  public:
   FlatShaders() {
-    replace("lib/material.glsl", {"material_color"},
-            "FN vec3 material_color(int m, float s, float t, float wheel, vec3 noise, float ws, float wt) {\n" +
-                flat_colors() + "}\n");
+    replace(
+        "lib/material.glsl", {"material_color"},
+        "FN vec3 material_color(int m, float s, float t, float wheel, vec3 noise, float sa, float sb, float ta, float "
+        "tb) {\n" +
+            flat_colors() + "}\n");
     replace("lib/marking.glsl", {"marking_color"}, "FN vec3 marking_color(int color) { return vec3(1.0); }\n");
     replace("lib/sky.glsl", {"sky_sun_color", "sky_ambient", "sky_transmittance", "sky_tone"},
             "FN vec3 sky_sun_color() { return vec3(0.0); }\n"
@@ -218,6 +221,19 @@ struct Figures {
   }
 };
 constexpr int kColorTolerance = 4;  // of 255
+
+// What the pictures reach, with a little room: the mean error of edge pixels over all views and in each, and the part of
+// the pixels within kColorTolerance. What is off beyond it: crests and undersides within a pixel of which several
+// segments show, each of which knows itself alone.
+struct Limits {
+  double coverage, view_coverage, right;
+};
+const std::map<std::string, Limits> kLimits = {{"Straight", {0.0035, 0.02, 0.9995}},
+                                               {"Winding", {0.0055, 0.02, 0.999}},
+                                               {"Hills", {0.0065, 0.02, 0.9985}},
+                                               {"Banked", {0.0085, 0.032, 0.998}},
+                                               {"Town", {0.004, 0.02, 0.999}}};
+constexpr double kViewRight = 0.994;  // some views touch no more than 400 pixels
 
 double greatest(glm::dvec3 v) { return std::max({v.x, v.y, v.z}); }
 
@@ -321,18 +337,19 @@ TEST_P(CoverageTest, EveryPixelIsTheMeanOverItsArea) {
       ASSERT_TRUE(full.ok() && flat.ok());
       const Figures figures = measure(reference, full->color, flat->color);
       figures.print(s.name + " " + view.name, samples);
+      EXPECT_LE(figures.coverage_mean(), kLimits.at(GetParam()).view_coverage) << view.name;
+      EXPECT_GE(figures.right(), kViewRight) << view.name;
       overall[samples == 4].add(figures);
       if (pictures_folder()) write_pictures(s.name + "_" + view.name, reference, full->color, flat->color, samples);
     }
   }
   overall[0].print(s.name, 1);
   overall[1].print(s.name, 4);
+  const Limits& limits = kLimits.at(GetParam());
   for (const Figures& figures : overall) {
     EXPECT_GT(figures.mixed, 300u);
-    EXPECT_LE(figures.coverage_mean(), 0.02);
-    // What is off beyond it: crests, seen against the sky or against the road behind them, which end in whole pixels; the
-    // far row of pixels that many segments share; noise where the pixel lies askew to the road.
-    EXPECT_GE(figures.right(), 0.993);
+    EXPECT_LE(figures.coverage_mean(), limits.coverage);
+    EXPECT_GE(figures.right(), limits.right);
   }
 }
 

@@ -10,7 +10,9 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/render/renderer.h"
+#include "roadgen/road/crossing.h"
 #include "roadgen/road/junction.h"
+#include "terrain/terrain.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/junction_scenes.h"
 
@@ -315,6 +317,71 @@ TEST_F(JunctionRender, CornersCoverTheirPartOfEveryPixel) {
     EXPECT_LE(sum / static_cast<double>(edges), 0.12);
     EXPECT_LE(std::abs(bias) / static_cast<double>(edges), 0.08);
   }
+}
+
+// Sidewalks without kerbs lie in one plane with the area that they run along: the seam lets no ground through, whether
+// the pixels there are small or long.
+TEST_F(JunctionRender, NoGroundIsMixedIntoTheSeamOfFlatSidewalks) {
+  Network network;
+  std::vector<RoadEnd> ends;
+  for (int i = 0; i < 4; ++i) {
+    const double angle = i * M_PI / 2;
+    const glm::dvec2 out(std::cos(angle), std::sin(angle));
+    Road road;
+    road.id = std::to_string(i);
+    road.segments = {make_segment(14.0 * out, 60.0 * out, angle, angle, 7)};
+    chain_arc_lengths(road);
+    LaneSection section;
+    section.left = {{.width_m = {3.5}, .mark = {}}, {.type = LaneType::kSidewalk, .width_m = {3.5}, .mark = {}}};
+    section.right = section.left;
+    ASSERT_TRUE(set_sections(road, {section}).ok());
+    network.roads.push_back(road);
+    ends.push_back({road.id, false});
+  }
+  ASSERT_TRUE(add_crossing(network, "J", ends).ok());
+  const auto terrain = Terrain::build(network, nullptr);
+  ASSERT_TRUE(terrain.ok());
+  std::vector<TerrainMesh> deep = terrain->tiles();
+  for (TerrainMesh& tile : deep) tile.origin_m.z -= 2;
+  ASSERT_TRUE(renderer_->load_roads(network).ok());
+  std::size_t compared = 0, mixed = 0;
+  int worst = 0;
+  for (const double height : {1.4, 5.0, 20.0}) {
+    for (const double yaw : {10.0, 45.0, 95.0, 170.0}) {
+      const glm::dvec2 ahead(std::cos(yaw * M_PI / 180), std::sin(yaw * M_PI / 180));
+      const Camera camera = {.position_m = glm::dvec3(-(6 + 2 * height) * ahead, height),
+                             .yaw_deg = yaw,
+                             .pitch_deg = -std::atan2(height, 6 + 2 * height) * 180 / M_PI};
+      ASSERT_TRUE(renderer_->load_ground(terrain->tiles()).ok());
+      const Frame real = draw(camera, kColor | kLabel);
+      ASSERT_TRUE(renderer_->load_ground(deep).ok());
+      const Frame away = draw(camera, kColor | kLabel);
+      for (int y = 2; y + 2 < kHeight; ++y) {
+        for (int x = 2; x + 2 < kWidth; ++x) {
+          bool inside = true;  // with all its neighbours, and theirs
+          for (int k = 0; k < 25 && inside; ++k) {
+            const int nx = x + k % 5 - 2, ny = y + k / 5 - 2;
+            inside = real.label.at(nx, ny, 0) >= static_cast<std::uint32_t>(Label::kCarriageway) &&
+                     away.label.at(nx, ny, 0) >= static_cast<std::uint32_t>(Label::kCarriageway);
+          }
+          if (!inside) continue;
+          ++compared;
+          int difference = 0;
+          for (int c = 0; c < 3; ++c) {
+            difference = std::max(difference, std::abs(real.color.at(x, y, c) - away.color.at(x, y, c)));
+          }
+          mixed += difference > 2;
+          worst = std::max(worst, difference);
+        }
+      }
+    }
+  }
+  std::printf("pixels inside road and area: %zu, with ground mixed in: %zu, by at most %d/255\n", compared, mixed,
+              worst);
+  EXPECT_GT(compared, 100000u);
+  // A pixel longer than the underlap holds the area's edge too, whose part it shares with the strip's: a little ground.
+  EXPECT_LE(worst, 10);
+  EXPECT_LE(static_cast<double>(mixed), 1.5e-3 * static_cast<double>(compared));
 }
 
 TEST_F(JunctionRender, AWorldMovedByTenThousandKilometresLooksTheSame) {

@@ -29,7 +29,7 @@ SHADER_CASE(Step, 3, 1, y[0] = filter_step(x[0], x[1], x[2]);)
 SHADER_CASE(Dash, 3, 1, y[0] = marking_dash(x[0], float(9.0), float(3.0), x[1], x[2]);)
 SHADER_CASE(Border, 6, 6, for (int i = 1; i <= 6; ++i) {
               y[i - 1] = marking_border(i, x[0], x[1], float(0.12), float(0.12), float(3.0), float(6.0), x[2], x[3], x[4],
-                                        x[5]); })
+                                        x[5], float(0.01), float(-0.02)); })
 SHADER_CASE(Arrow, 2, 3, y[0] = marking_arrow(x[0], x[1], float(4.0), float(1.2), float(0.0), false);
                          y[1] = marking_arrow(x[0], x[1], float(4.0), float(1.2), float(1.0), false);
                          y[2] = marking_arrow(x[0], x[1], float(4.0), float(1.2), float(-1.0), true);)

@@ -77,6 +77,34 @@ double distance_m(const Road& road, glm::dvec2 p) {
   return least;
 }
 
+double distance_to_line_m(std::span<const Sample> samples, bool closed, glm::dvec2 p) {
+  double least = 1e300;
+  for (std::size_t i = 0; i + (closed ? 0 : 1) < samples.size(); ++i) {
+    const glm::dvec2 a = samples[i].position_m, e = samples[(i + 1) % samples.size()].position_m - a;
+    const double w = std::clamp(glm::dot(p - a, e) / std::max(glm::dot(e, e), 1e-300), 0.0, 1.0);
+    least = std::min(least, glm::length(p - a - w * e));
+  }
+  return least;
+}
+
+// No point of the polyline or of the curve is farther from the other than the certificate says, and some is nearly so.
+void expect_bounds_hold(const Road& road, std::span<const Sample> samples, const Certificate& c) {
+  double from_source = 0, from_curve = 0;
+  const std::size_t edges = samples.size() - (road.closed ? 0 : 1);
+  for (std::size_t k = 0; k < 2000; ++k) {
+    const double at = (static_cast<double>(k) + 0.5) / 2000 * static_cast<double>(edges);
+    const auto i = static_cast<std::size_t>(at);
+    const glm::dvec2 a = samples[i].position_m, b = samples[(i + 1) % samples.size()].position_m;
+    from_source = std::max(from_source, distance_m(road, a + (at - static_cast<double>(i)) * (b - a)));
+    const glm::dvec2 p(pose_at(road, (static_cast<double>(k) + 0.5) / 2000 * road.length_m(), 0).position_m);
+    from_curve = std::max(from_curve, distance_to_line_m(samples, road.closed, p));
+  }
+  EXPECT_LE(from_source, c.source_to_curve_m + 1e-9);
+  EXPECT_LE(from_curve, c.curve_to_source_m + 1e-9);
+  EXPECT_GE(from_source, 0.7 * c.source_to_curve_m - 1e-9);
+  EXPECT_GE(from_curve, 0.7 * c.curve_to_source_m - 1e-9);
+}
+
 void expect_good(const Result<FittedRoad>& fitted, const std::vector<Sample>& samples, const FitOptions& options) {
   ASSERT_TRUE(fitted.ok()) << fitted.error().text();
   const CheckReport report = checked(fitted->road);
@@ -92,6 +120,7 @@ void expect_good(const Result<FittedRoad>& fitted, const std::vector<Sample>& sa
   EXPECT_NEAR(c.max_error_m, worst, 1e-9);
   EXPECT_NEAR(c.rms_error_m, std::sqrt(sum / static_cast<double>(samples.size())), 1e-9);
   EXPECT_GE(c.bound_m, c.max_error_m);
+  expect_bounds_hold(fitted->road, samples, c);
   EXPECT_EQ(c.samples, samples.size());
   EXPECT_EQ(c.anchors, fitted->anchors.size());
   EXPECT_EQ(c.segments, fitted->road.segments.size());
@@ -361,6 +390,9 @@ TEST(Certify, MeasuresAShiftedRoad) {
   EXPECT_NEAR(c.rms_error_m, 2.5, 0.011);
   EXPECT_NEAR(c.max_elevation_error_m, 0.7, 1e-6);
   EXPECT_EQ(c.anchors, 5u);
+  EXPECT_NEAR(c.source_to_curve_m, 2.5, 0.02);
+  // The road goes on for two metres beyond the first and the last sample.
+  EXPECT_NEAR(c.curve_to_source_m, std::hypot(2.5, 2), 0.05);
 }
 
 // A figure of eight with a bridge: heights are compared on the strand that the sample belongs to.

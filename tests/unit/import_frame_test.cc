@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 
 namespace roadgen {
 namespace {

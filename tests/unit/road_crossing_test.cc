@@ -114,6 +114,94 @@ TEST(Crossing, QueryAndGroundKnowTheArea) {
   EXPECT_NEAR(point->height_m, 0, 1e-4);
 }
 
+// Sidewalks wider than the corners' radius narrow around them, where both cuts meet, and are whole at the arms with room.
+TEST(Crossing, StripsThatACornerHasNoRoomForNarrow) {
+  Network network = crossing();
+  network.junctions.clear();
+  network.roads.resize(4);
+  for (Road& road : network.roads) {
+    LaneSection section = road.sections[0];
+    for (auto* side : {&section.left, &section.right}) {
+      if (side->back().type == LaneType::kSidewalk) side->back().width_m = {4};
+    }
+    ASSERT_TRUE(set_sections(road, {section}).ok());
+  }
+  ASSERT_TRUE(add_crossing(network, "K", {{"0"}, {"1"}, {"2"}, {"3"}}, {.corner_radius_m = 2.5}).ok());
+  for (const std::string& problem : check(network).problems) ADD_FAILURE() << problem;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& arms = network.junctions[0].arms;
+    if (arms[i].road == "2" || arms[(i + 1) % 4].road == "2") continue;  // without sidewalks
+    const Road& corner = *network.find_road("K.corner." + std::to_string(i));
+    double narrowest = 1e300;
+    for (const Segment& s : corner.segments) narrowest = std::min(narrowest, -s.right_m.value(0));
+    // A cubic that turns by 30 degrees bends by up to 3.5 % more than its circle.
+    EXPECT_LT(narrowest, 0.9 * 2.5);
+    EXPECT_GT(narrowest, 0.9 * 2.5 / 1.036);
+    EXPECT_NEAR(corner.segments.front().right_m.value(0), -4, 1e-9);
+    EXPECT_NEAR(corner.segments.back().right_m.value(corner.segments.back().arc_m), -4, 1e-9);
+  }
+}
+
+// A one-way road whose lanes all lie right of its reference line, a sidewalk first: the arm's origin is in the middle
+// of the lanes, and its cut lies on the road's surface.
+TEST(Crossing, ACarriagewayBesideTheReferenceLineIsAnArm) {
+  const std::vector<Anchor> anchors = {{{0, 0}, 3, 11}, {{60, 5}, 5, 11}};
+  const auto road = road_from_anchors(anchors, {});
+  ASSERT_TRUE(road.ok());
+  for (const bool at_end : {false, true}) {
+    Road one_way = *road;
+    LaneSection section;
+    const Lane sidewalk{
+        .type = LaneType::kSidewalk, .width_m = {2}, .inner_height_m = 0.1, .outer_height_m = 0.15, .mark = {}};
+    section.right = {sidewalk, {.width_m = {3}, .mark = {}}, {.width_m = {3.5}, .mark = {}}, sidewalk};
+    ASSERT_TRUE(set_sections(one_way, {section}).ok());
+    for (Segment& s : one_way.segments) {
+      s.superelevation_rad = {0.02, 0, 0, 0};
+      s.crossfall_left = {0.01, 0}, s.crossfall_right = {0.03, 0};
+    }
+    const JunctionArm arm = arm_of(one_way, at_end);
+    EXPECT_NEAR(arm.left_m, 3.25 * std::cos(0.02), 1e-12);
+    EXPECT_NEAR(arm.right_m, -3.25 * std::cos(0.02), 1e-12);
+    const double s = at_end ? one_way.length_m() : 0, side = at_end ? 1 : -1;
+    for (const double n : {-3.0, 0.0, 3.0}) {
+      const RoadPose pose = pose_at(one_way, s, -5.25 + side * n / std::cos(0.02));
+      EXPECT_LT(glm::length(glm::dvec2(pose.position_m) - cut_point_m(arm, n)), 1e-9) << n;
+      EXPECT_NEAR(pose.position_m.z, cut_height_m(arm, n), 1e-9) << n;
+    }
+  }
+}
+
+// Its sidewalk on the left goes around the corner at its own height, which is told from the other side there.
+TEST(Crossing, StripsBetweenReferenceLineAndCarriagewayAreCarriedAround) {
+  Network network = crossing();
+  network.junctions.clear();
+  network.roads.resize(4);
+  for (Road& road : network.roads) {
+    LaneSection section = road.sections[0];
+    const double left = section.borders_m().back().c0;
+    Lane inner =
+        section.left.back().type == LaneType::kSidewalk ? section.left.back() : Lane{.width_m = {2}, .mark = {}};
+    inner.type = LaneType::kSidewalk, inner.inner_height_m = 0.15, inner.outer_height_m = 0.1;
+    section.right = {inner};
+    for (const Lane& lane : section.left) section.right.push_back(lane);
+    section.left.clear();
+    section.offset_m = {left};
+    ASSERT_TRUE(set_sections(road, {section}).ok());
+    road.joined_start = false;
+  }
+  const Status status = add_crossing(network, "K", {{"0"}, {"1"}, {"2"}, {"3"}});
+  ASSERT_TRUE(status.ok()) << status.error().text();
+  // Roads start here, so their left is the right of who looks in: corner i begins along the inner sidewalk of arm i.
+  for (const JunctionArm& arm : network.junctions[0].arms) {
+    const std::size_t i = static_cast<std::size_t>(&arm - network.junctions[0].arms.data());
+    const Road* corner = network.find_road("K.corner." + std::to_string(i));
+    ASSERT_NE(corner, nullptr);
+    const Lane& strip = corner->sections[0].right[0];
+    EXPECT_EQ(strip.inner_height_m, 0.1);
+    EXPECT_EQ(strip.outer_height_m, 0.15);
+  }
+}
+
 TEST(Crossing, EndsThatDoNotExistAreNamed) {
   Network network = crossing();
   const std::size_t roads = network.roads.size();

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/fit/catmull_rom.h"
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 #include "terrain/terrain.h"
 
 namespace roadgen {

@@ -17,7 +17,7 @@ Spot mesh_spot() {
   spot.s_step = vec2(dFdx(st.x), dFdy(st.x));
   spot.t_step = vec2(dFdx(st.y), dFdy(st.y));
   spot.w_step = vec2(0.0);
-  spot.h = spot.missed = 0.0;
+  spot.h = 0.0;
   spot.on = true;
   return spot;
 }

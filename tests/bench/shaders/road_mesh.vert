@@ -29,4 +29,5 @@ void main() {
   axis = chord_point = vec2(0.0);
   linear = vec3(0.0);
   gl_Position = clip_from_relative * vec4(relative, 1.0);
+  gl_ClipDistance[0] = up.w - dot(relative, forward.xyz);
 }

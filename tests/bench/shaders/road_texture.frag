@@ -30,7 +30,7 @@ void main() {
   spots[0] = mesh_spot();
   Spot spot = spots[0];
   Look look = look_at(spot);
-  float coverage = left_of(spots, 0, 0) - left_of(spots, int(section_rows[ids.y].x) - 1, 0);
+  float coverage = left_of(spots, Corner(0, 0)) - left_of(spots, Corner(int(section_row(ids.y).x) - 1, 0));
   if (!(coverage > 0.0)) discard;
   vec2 place = vec2(fract(spot.s / size.x), clamp(spot.t / size.y + 0.5, 0.0, 1.0));
   vec2 dx = clamp(vec2(spot.s_step.x, spot.t_step.x) / size, -1e3, 1e3);
@@ -40,6 +40,6 @@ void main() {
 #else
   vec2 found = textureGrad(markings, place, dx, dy).rg;
 #endif
-  vec3 asphalt = material_color(0, spot.s, spot.t, found.g, look.noise, 0.0, 0.0);
+  vec3 asphalt = material_color(0, spot.s, spot.t, found.g, look.noise, 0.0, 0.0, 0.0, 0.0);
   out_color = vec4(mix(frame_shade(asphalt, look.light), paint_color(0, look), found.r), coverage);
 }

@@ -1,4 +1,4 @@
-#include "roadgen/import/local_frame.h"
+#include "roadgen/geodesy/local_frame.h"
 
 #include <GeographicLib/LocalCartesian.hpp>
 

@@ -1,0 +1,75 @@
+// XML by hand, since the form of our files is fixed and the order of attributes is part of being identical. Internal to
+// roadgen/export.
+#pragma once
+
+#include <charconv>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace roadgen {
+
+// Appends to a text.
+class XmlWriter {
+ public:
+  XmlWriter& raw(std::string_view text) {
+    text_ += text;
+    return *this;
+  }
+  // name="x", shortest digits that bring the same double back, whatever the locale.
+  XmlWriter& number(const char* name, double x) {
+    text_ += ' ';
+    text_ += name;
+    text_ += "=\"";
+    digits(x);
+    text_ += '"';
+    return *this;
+  }
+  XmlWriter& text(const char* name, std::string_view value) {
+    text_ += ' ';
+    text_ += name;
+    text_ += "=\"";
+    for (const char c : value) escape(c);
+    text_ += '"';
+    return *this;
+  }
+  void digits(double x) {
+    char buffer[32];
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, x == 0 ? 0.0 : x).ptr;  // no "-0"
+    text_.append(buffer, end);
+  }
+  // <userData code="roadgen:CODE" value="x y ..."/> and a newline; a text after the numbers where there is one.
+  void user_data(const char* indent, const char* code, std::initializer_list<double> numbers) {
+    user_data(indent, code, std::span(numbers.begin(), numbers.size()));
+  }
+  void user_data(const char* indent, const char* code, std::span<const double> numbers, std::string_view words = {}) {
+    raw(indent).raw("<userData code=\"roadgen:").raw(code).raw("\" value=\"");
+    const char* blank = "";
+    for (const double x : numbers) raw(std::exchange(blank, " ")).digits(x);
+    if (!words.empty()) raw(std::exchange(blank, " "));
+    for (const char c : words) escape(c);
+    raw("\"/>\n");
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  void escape(char c) {
+    switch (c) {
+      case '&': text_ += "&amp;"; break;
+      case '<': text_ += "&lt;"; break;
+      case '>': text_ += "&gt;"; break;
+      case '"': text_ += "&quot;"; break;
+      case '\n':
+      case '\r':
+      case '\t': text_ += ' '; break;
+      default:
+        if (static_cast<unsigned char>(c) >= 0x20) text_ += c;  // XML 1.0 has no other control characters
+    }
+  }
+
+  std::string text_;
+};
+
+}  // namespace roadgen

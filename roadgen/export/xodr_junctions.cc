@@ -1,0 +1,124 @@
+#include "roadgen/export/xodr_junctions.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace roadgen {
+namespace {
+
+const char* contact(bool at_end) { return at_end ? "end" : "start"; }
+
+void write_link(XmlWriter& out, const char* element, const RoadLink& link) {
+  if (link.to == RoadLink::To::kNothing) return;
+  const bool road = link.to == RoadLink::To::kRoad;
+  out.raw("      <").raw(element).text("elementType", road ? "road" : "junction").text("elementId", link.id);
+  if (road) out.text("contactPoint", contact(link.at_end));
+  out.raw("/>\n");
+}
+
+void write_arm(XmlWriter& out, const JunctionArm& a) {
+  const double numbers[] = {
+      a.at_end ? 1.0 : 0.0, a.position_m.x, a.position_m.y, a.heading_rad,    a.left_m,         a.right_m,
+      a.elevation_m,        a.grade,        a.tilt,         a.crossfall_left, a.crossfall_right};
+  out.user_data("    ", "arm", numbers, a.road);
+}
+
+void write_junction(XmlWriter& out, const std::string& id, const JunctionLinks* links, const Junction* area) {
+  out.raw("  <junction").text("id", id).text("name", links ? links->name : "").raw(" type=\"default\">\n");
+  for (std::size_t i = 0; links && i < links->connections.size(); ++i) {
+    const Connection& c = links->connections[i];
+    out.raw("    <connection").text("id", std::to_string(i)).text("incomingRoad", c.incoming);
+    out.text("connectingRoad", c.connecting).text("contactPoint", contact(c.at_end)).raw(">\n");
+    for (const LaneLink& lane : c.lanes) {
+      out.raw("      <laneLink").text("from", std::to_string(lane.from)).text("to", std::to_string(lane.to));
+      out.raw("/>\n");
+    }
+    out.raw("    </connection>\n");
+  }
+  if (area) {
+    out.user_data("    ", "area", {area->corner_radius_m, area->underlap_m});
+    for (const JunctionArm& arm : area->arms) write_arm(out, arm);
+  } else {
+    out.user_data("    ", "area", {}, "none");
+  }
+  out.raw("  </junction>\n");
+}
+
+// Whether make_junction lays these corners for these arms, to the bit.
+bool can_be_laid(const Junction& junction) {
+  const Result<Junction> again =
+      make_junction(junction.id, junction.arms, {.corner_radius_m = junction.corner_radius_m});
+  if (!again || again->corners.size() != junction.corners.size()) return false;
+  const auto same = [](const Segment& a, const Segment& b) {
+    return a.start_m == b.start_m && a.end_m == b.end_m && a.slope_start == b.slope_start &&
+           a.slope_end == b.slope_end && a.s_start_m == b.s_start_m && a.elevation_m == b.elevation_m;
+  };
+  for (std::size_t i = 0; i < junction.corners.size(); ++i) {
+    const auto &a = junction.corners[i], &b = again->corners[i];
+    if (!std::equal(a.begin(), a.end(), b.begin(), b.end(), same)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void write_links(XmlWriter& out, const Road& road) {
+  RoadLink before = road.predecessor, after = road.successor;
+  if (road.closed) {
+    before = {.to = RoadLink::To::kRoad, .id = road.id, .at_end = true};
+    after = {.to = RoadLink::To::kRoad, .id = road.id, .at_end = false};
+  }
+  if (before.to == RoadLink::To::kNothing && after.to == RoadLink::To::kNothing) return;
+  out.raw("    <link>\n");
+  write_link(out, "predecessor", before);
+  write_link(out, "successor", after);
+  out.raw("    </link>\n");
+}
+
+void write_joined(XmlWriter& out, const Road& road) {
+  const bool linked = road.predecessor.to != RoadLink::To::kNothing || road.successor.to != RoadLink::To::kNothing;
+  if (!linked && !road.joined_start && !road.joined_end) return;
+  out.user_data("    ", "joined", {road.joined_start ? 1.0 : 0.0, road.joined_end ? 1.0 : 0.0});
+}
+
+void write_junctions(XmlWriter& out, const Network& network) {
+  std::map<std::string_view, std::size_t> areas;
+  for (std::size_t i = 0; i < network.junctions.size(); ++i) areas.emplace(network.junctions[i].id, i);
+  std::set<std::string_view> nodes;
+  for (const JunctionLinks& links : network.junction_links) nodes.insert(links.id);
+  // Areas alone keep their place among those that are nodes too.
+  std::size_t next = 0;
+  const auto write_lone_areas = [&](std::size_t end) {
+    for (; next < end; ++next) {
+      const Junction& area = network.junctions[next];
+      if (!nodes.contains(area.id)) write_junction(out, area.id, nullptr, &area);
+    }
+  };
+  for (const JunctionLinks& links : network.junction_links) {
+    const auto area = areas.find(links.id);
+    if (area != areas.end()) write_lone_areas(area->second);
+    write_junction(out, links.id, &links, area == areas.end() ? nullptr : &network.junctions[area->second]);
+  }
+  write_lone_areas(network.junctions.size());
+}
+
+Status check_junctions(const Network& network) {
+  const auto error = [](const std::string& id, const char* what) {
+    return Error{ErrorCode::kData, what, {}, 0, "junction " + id};
+  };
+  std::set<std::string_view> areas, nodes;
+  for (const JunctionLinks& links : network.junction_links) {
+    if (links.id.empty()) return error("", "a junction has no id; give every junction one");
+    if (!nodes.insert(links.id).second) return error(links.id, "the id is used twice");
+  }
+  for (const Junction& area : network.junctions) {
+    if (area.id.empty()) return error("", "a junction has no id; give every junction one");
+    if (!areas.insert(area.id).second) return error(area.id, "the id is used twice");
+    if (!can_be_laid(area))
+      return error(area.id, "the area is not one that make_junction lays for its arms and radius");
+  }
+  return Done{};
+}
+
+}  // namespace roadgen

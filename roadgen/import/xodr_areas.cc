@@ -1,0 +1,202 @@
+#include "roadgen/import/xodr_areas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <glm/geometric.hpp>
+
+#include "roadgen/road/crossing.h"
+
+namespace roadgen {
+namespace {
+
+// How far a road's end may lie from the arm that our own file states.
+constexpr double kMovedArm_m = 0.01, kTurnedArm_rad = 1e-3;
+constexpr double kMostOutside_m = 0.5;
+constexpr double kMostStep_m = 0.3;
+constexpr double kMostFree = 0.5;  // part of the area: shoulders and medians that no way leads over
+constexpr double kWidest_m = 500;  // area, and carriageway of a connecting road
+constexpr double kProbe_m = 0.5;   // distance of the places looked at
+// Corners as wide as the arms allow: connecting roads begin to turn at the cuts.
+constexpr double kWidestCorner_m = 1e3;
+
+using RoadsById = std::map<std::string, std::size_t>;
+
+const Road* find(const Network& network, const RoadsById& ids, const std::string& id) {
+  const auto at = ids.find(id);
+  return at == ids.end() ? nullptr : &network.roads[at->second];
+}
+
+// Without the junction's name, which the note has already.
+std::string plain_message(const std::string& id, const Error& error) {
+  const std::string prefix = "junction " + id + ": ";
+  return error.message.starts_with(prefix) ? error.message.substr(prefix.size()) : error.message;
+}
+
+// The arm as the road has it now, where it is no longer what the file states.
+bool take_moved_arm(const Road& road, JunctionArm& arm) {
+  const JunctionArm now = arm_of(road, arm.at_end);
+  const double turn = std::remainder(now.heading_rad - arm.heading_rad, 2 * M_PI);
+  const double off = std::max({glm::length(now.position_m - arm.position_m), std::abs(now.left_m - arm.left_m),
+                               std::abs(now.right_m - arm.right_m), std::abs(now.elevation_m - arm.elevation_m)});
+  if (off <= kMovedArm_m && std::abs(turn) <= kTurnedArm_rad) return false;
+  arm = now;
+  return true;
+}
+
+void add_own_area(XodrSource& source, const XodrJunction& junction, const RoadsById& ids, Network& network) {
+  std::vector<JunctionArm> arms = junction.area->arms;
+  bool moved = false;
+  for (JunctionArm& arm : arms) {
+    const Road* road = find(network, ids, arm.road);
+    if (!road) return source.note(junction.line, "the area of a junction at a road that is not there is not kept");
+    moved = take_moved_arm(*road, arm) || moved;
+  }
+  if (moved) source.note(junction.line, "userData roadgen:arm does not agree with its road, whose end is taken");
+  auto area = make_junction(junction.links.id, std::move(arms), {.corner_radius_m = junction.area->corner_radius_m});
+  if (!area)
+    return source.note(junction.line,
+                       "the area of the junction is not kept: " + plain_message(junction.links.id, area.error()));
+  area->underlap_m = junction.area->underlap_m;
+  network.junctions.push_back(std::move(*area));
+}
+
+// The ends of roads that meet in a junction, and the roads that lie in it.
+struct Meeting {
+  std::vector<RoadEnd> ends;
+  std::vector<std::size_t> ways;  // of the network's roads
+};
+
+using Meetings = std::map<std::string, Meeting>;
+
+Meetings meetings(const Network& network, const RoadsById& ids) {
+  Meetings all;
+  const auto add = [&](const std::string& junction, const Road& road, bool at_end) {
+    std::vector<RoadEnd>& ends = all[junction].ends;
+    const bool known = std::any_of(ends.begin(), ends.end(),
+                                   [&](const RoadEnd& e) { return e.road == road.id && e.at_end == at_end; });
+    if (!known && !road.closed) ends.push_back({road.id, at_end});
+  };
+  for (std::size_t i = 0; i < network.roads.size(); ++i) {
+    const Road& road = network.roads[i];
+    if (!road.junction.empty()) all[road.junction].ways.push_back(i);
+    for (const RoadLink* link : {&road.predecessor, &road.successor}) {
+      if (link->to == RoadLink::To::kJunction && road.junction.empty()) add(link->id, road, link == &road.successor);
+      const Road* other = link->to == RoadLink::To::kRoad ? find(network, ids, link->id) : nullptr;
+      if (!road.junction.empty() && other && other->junction.empty()) add(road.junction, *other, link->at_end);
+    }
+  }
+  return all;
+}
+
+// How the connecting roads' carriageways and the area agree.
+struct Agreement {
+  double outside_m = 0;  // farthest place of a carriageway beyond the area's edge
+  double step_m = 0;     // greatest difference in height
+  double free = 0;       // part of the area that no road covers
+};
+
+// Requires: area and roads of sane sizes.
+Agreement agreement(const JunctionSurface& surface, const Network& network, const std::vector<std::size_t>& ways) {
+  Agreement found;
+  const glm::dvec2 low = glm::dvec2(surface.center_m) + glm::dvec2(surface.low_m);
+  const glm::dvec2 size = glm::dvec2(surface.high_m) - glm::dvec2(surface.low_m);
+  const int columns = 1 + static_cast<int>(size.x / kProbe_m), rows = 1 + static_cast<int>(size.y / kProbe_m);
+  std::vector<bool> covered(static_cast<std::size_t>(columns) * rows, false);
+  const auto cover = [&](glm::dvec2 p) {
+    const int x = static_cast<int>(std::floor((p.x - low.x) / kProbe_m));
+    const int y = static_cast<int>(std::floor((p.y - low.y) / kProbe_m));
+    if (x >= 0 && x < columns && y >= 0 && y < rows) covered[static_cast<std::size_t>(y) * columns + x] = true;
+  };
+  // Closer than the cells are wide, so that none of those that a road covers is missed.
+  constexpr double kStep_m = 0.5 * kProbe_m;
+  for (const std::size_t way : ways) {
+    const Road& road = network.roads[way];
+    for (const Segment& segment : road.segments) {
+      const int along = 1 + static_cast<int>(2 * segment.arc_m / kStep_m);
+      for (int i = 0; i <= along; ++i) {
+        const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
+        const Carriageway c = carriageway_at(road, segment, local);
+        const double heading = heading_rad(segment, u);
+        const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
+        const double cosine = std::cos(segment.superelevation_rad.value(local));
+        const int across = 1 + static_cast<int>((c.left_m - c.right_m) / kStep_m);
+        for (int j = 0; j <= across; ++j) {
+          const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
+          const glm::dvec2 p = middle + n * left;
+          cover(p);
+          const double inside = signed_distance_m(surface, p);
+          found.outside_m = std::max(found.outside_m, -inside);
+          const double step = surface_at(segment, local, n).height - height_at(surface, p).height_m;
+          if (inside >= 0) found.step_m = std::max(found.step_m, std::abs(step));
+        }
+      }
+    }
+  }
+  std::size_t inside = 0, free = 0;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) {
+      if (signed_distance_m(surface, low + kProbe_m * glm::dvec2(x + 0.5, y + 0.5)) < kProbe_m) continue;
+      ++inside;
+      free += covered[static_cast<std::size_t>(y) * columns + x] ? 0 : 1;
+    }
+  }
+  found.free = inside > 0 ? static_cast<double>(free) / static_cast<double>(inside) : 0;
+  return found;
+}
+
+// Why the junction keeps its roads; empty where it got an area.
+std::string roads_kept_why(Network& network, const RoadsById& ids, const std::string& id, const Meeting& meeting) {
+  if (meeting.ways.empty()) return "it has no connecting roads";
+  std::vector<JunctionArm> arms;
+  for (const RoadEnd& end : meeting.ends) arms.push_back(arm_of(*find(network, ids, end.road), end.at_end));
+  const JunctionOptions options{.corner_radius_m = kWidestCorner_m};
+  const Result<Junction> area = make_junction(id, std::move(arms), options);
+  if (!area) return plain_message(id, area.error());
+  const JunctionSurface surface = junction_surface(*area);
+  const glm::dvec3 size = surface.high_m - surface.low_m;
+  bool vast = std::max(size.x, size.y) > kWidest_m;
+  for (const std::size_t way : meeting.ways) {
+    const Road& road = network.roads[way];
+    vast = vast || road.length_m() > 2 * kWidest_m;
+    for (const Segment& segment : road.segments) vast = vast || segment.max_half_width_m() > kWidest_m;
+  }
+  if (vast) return "it is too large";
+  const Agreement a = agreement(surface, network, meeting.ways);
+  if (a.step_m > kMostStep_m) return "its roads lie at different heights";
+  if (a.outside_m > kMostOutside_m) return "its roads reach beyond the area between the ends";
+  if (a.free > kMostFree) return "its roads leave much of the area free";
+  const Status added = add_crossing(network, id, meeting.ends, options);
+  return added ? "" : plain_message(id, added.error());
+}
+
+}  // namespace
+
+void add_areas(XodrSource& source, const std::vector<XodrJunction>& junctions, Network& network) {
+  RoadsById ids;
+  for (std::size_t i = 0; i < network.roads.size(); ++i) ids.emplace(network.roads[i].id, i);
+  const Meetings all = meetings(network, ids);
+  for (const XodrJunction& junction : junctions) {
+    source.set_element("junction " + junction.links.id);
+    if (junction.area) add_own_area(source, junction, ids, network);
+    if (junction.own) continue;
+    if (!junction.crossing) {
+      source.note(junction.line, "a junction of another type than default keeps its roads");
+      continue;
+    }
+    const auto meeting = all.find(junction.links.id);
+    const std::string why =
+        meeting == all.end() ? "no roads meet in it" : roads_kept_why(network, ids, junction.links.id, meeting->second);
+    if (!why.empty()) {
+      source.note(junction.line, "a junction keeps its roads: " + why);
+      continue;
+    }
+    const auto painted = [&](std::size_t way) { return !network.roads[way].paint.empty(); };
+    if (std::any_of(meeting->second.ways.begin(), meeting->second.ways.end(), painted)) {
+      source.note(junction.line, "paint of roads that lie in a junction's area is not drawn");
+    }
+  }
+}
+
+}  // namespace roadgen
