@@ -66,6 +66,9 @@ class OsmImport {
   void take_roads(std::size_t line, LineRoads made);
   std::vector<std::uint32_t> make_areas(const std::vector<std::uint32_t>& which);
   void make_all(const OsmScene& scene);
+  Road* road_at(LineEnd end);
+  void link_to_junction(LineEnd end, const std::string& id);
+  void link_ends();
   void take_all();
 
   const ImportOptions& options_;
@@ -243,6 +246,61 @@ void OsmImport::make_all(const OsmScene& scene) {
   }
 }
 
+// The road that has the line's end; none where no road came of the line.
+Road* OsmImport::road_at(LineEnd end) {
+  const Range& range = range_[line_of(end)];
+  if (range.count == 0) return nullptr;
+  Road& road = result_.network.roads[range.first + (is_at_end(end) ? range.count - 1 : 0)];
+  return road.closed ? nullptr : &road;
+}
+
+void OsmImport::link_to_junction(LineEnd end, const std::string& id) {
+  if (Road* road = road_at(end)) {
+    (is_at_end(end) ? road->successor : road->predecessor) = {RoadLink::To::kJunction, id};
+  }
+}
+
+// Ends of lines in areas and at nodes without one to junctions; the two at a node where lines just end to one another.
+void OsmImport::link_ends() {
+  std::vector<char> is_linked(2 * graph_.lines.size(), 0);
+  for (const OsmJunction& junction : junctions_.all) {
+    if (!junction.area) continue;
+    const std::string id = junction_id(junction);
+    for (const LineEnd end : junction.ends) {
+      link_to_junction(end, id);
+      is_linked[end] = 1;
+    }
+  }
+  for (std::size_t k = 0; k < graph_.nodes.size(); ++k) {
+    const std::string id = std::to_string(data_.node_ids[graph_.nodes[k]]);
+    bool touched = false;
+    for (std::size_t i = graph_.first_end[k]; i < graph_.first_end[k + 1]; ++i) {
+      const LineEnd end = graph_.ends[i];
+      if (is_linked[end] || junctions_.absorbed[line_of(end)]) continue;
+      link_to_junction(end, id);
+      is_linked[end] = 1;
+      touched = touched || road_at(end);
+    }
+    if (touched) result_.network.junction_links.push_back({id, ""});
+  }
+  std::vector<std::pair<std::uint32_t, LineEnd>> loose;
+  for (std::size_t i = 0; i < graph_.lines.size(); ++i) {
+    const OsmLine& line = graph_.lines[i];
+    if (line.closed) continue;
+    const auto end = static_cast<LineEnd>(2 * i);
+    if (!is_linked[end]) loose.emplace_back(line.node_start, end);
+    if (!is_linked[end + 1]) loose.emplace_back(line.node_end, end + 1);
+  }
+  std::sort(loose.begin(), loose.end());
+  for (std::size_t i = 0; i + 1 < loose.size(); ++i) {
+    if (loose[i].first != loose[i + 1].first) continue;
+    const LineEnd a = loose[i].second, b = loose[i + 1].second;
+    Road *from = road_at(a), *to = road_at(b);
+    if (from && to) link_roads(*from, is_at_end(a), *to, is_at_end(b));
+    ++i;
+  }
+}
+
 // Leaves out what was replaced, and adds the corners' strips.
 void OsmImport::take_all() {
   Network& network = result_.network;
@@ -274,6 +332,7 @@ Result<ImportResult> OsmImport::run(OsmData data, const std::string& path) {
   show(0.6, "laying roads");
   ordinal_ = ordinals();
   make_all(scene);
+  link_ends();
   take_all();
   Network& network = result_.network;
   network.georeference = origin;

@@ -46,17 +46,29 @@ struct Part {
 
 bool is_driven(LaneType type) { return type == LaneType::kDriving || type == LaneType::kBidirectional; }
 
-// Widths of matching lanes at the joint of two parts: the lesser one, or 0 where there is none.
-std::vector<double> joint_widths(const std::vector<Lane>& own, const std::vector<Lane>& other) {
-  std::vector<double> widths(own.size(), 0);
+constexpr std::size_t kNoLane = static_cast<std::size_t>(-1);
+
+// For each lane of a side the one of the other part that it goes on as, or kNoLane.
+std::vector<std::size_t> matching_lanes(const std::vector<Lane>& own, const std::vector<Lane>& other) {
+  std::vector<std::size_t> match(own.size(), kNoLane);
   std::size_t next = 0;
   for (std::size_t i = 0; i < own.size(); ++i) {
     std::size_t k = next;
     while (k < other.size() && other[k].type != own[i].type && !(is_driven(other[k].type) && is_driven(own[i].type)))
       ++k;
     if (k == other.size()) continue;
-    widths[i] = std::min(own[i].width_m.c0, other[k].width_m.c0);
+    match[i] = k;
     next = k + 1;
+  }
+  return match;
+}
+
+// Widths of matching lanes at the joint of two parts: the lesser one, or 0 where there is none.
+std::vector<double> joint_widths(const std::vector<Lane>& own, const std::vector<Lane>& other) {
+  const std::vector<std::size_t> match = matching_lanes(own, other);
+  std::vector<double> widths(own.size(), 0);
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (match[i] != kNoLane) widths[i] = std::min(own[i].width_m.c0, other[match[i]].width_m.c0);
   }
   return widths;
 }
@@ -495,6 +507,7 @@ Result<Road> LineMaker::part_road(const Road& whole, std::size_t i) {
   const WayTags& of = tags(part.piece);
   road.name = scene_.data.names[of.name];
   road.road_class = highway_class(of.highway).name;
+  road.keep_left = scene_.keep_left;
   road.closed = whole.closed && parts_.size() == 1;
   road.joined_start = i > 0 || plan_.joined_start || (line_.closed && !road.closed);
   road.joined_end = i + 1 < parts_.size() || plan_.joined_end || (line_.closed && !road.closed);
@@ -542,10 +555,39 @@ Result<LineRoads> LineMaker::run() {
     made.certificates.back().id = road->id;
     made.roads.push_back(std::move(*road));
   }
+  for (std::size_t i = 0; i + 1 < made.roads.size(); ++i) link_roads(made.roads[i], true, made.roads[i + 1], false);
+  if (line_.closed && made.roads.size() > 1) link_roads(made.roads.back(), true, made.roads.front(), false);
   return made;
 }
 
 }  // namespace
+
+void link_roads(Road& a, bool a_at_end, Road& b, bool b_at_end) {
+  RoadLink& to = a_at_end ? a.successor : a.predecessor;
+  RoadLink& back = b_at_end ? b.successor : b.predecessor;
+  to = {RoadLink::To::kRoad, b.id, b_at_end};
+  back = {RoadLink::To::kRoad, a.id, a_at_end};
+  const LaneSection &from = a_at_end ? a.sections.back() : a.sections.front(),
+                    &into = b_at_end ? b.sections.back() : b.sections.front();
+  const auto side = [&](const std::vector<Lane>& own, int sign, const std::vector<Lane>& other, int other_sign) {
+    const std::vector<std::size_t> match = matching_lanes(own, other);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      if (match[i] == kNoLane) continue;
+      const int id = sign * static_cast<int>(i + 1), other_id = other_sign * static_cast<int>(match[i] + 1);
+      to.lanes.push_back({id, other_id});
+      back.lanes.push_back({other_id, id});
+    }
+  };
+  // Of two ends, or two starts, the left side of the one is the right side of the other.
+  const bool same = a_at_end != b_at_end;
+  side(from.left, 1, same ? into.left : into.right, same ? 1 : -1);
+  side(from.right, -1, same ? into.right : into.left, same ? -1 : 1);
+  // From left to right, as files have them.
+  for (RoadLink* link : {&to, &back}) {
+    std::sort(link->lanes.begin(), link->lanes.end(),
+              [](const LaneLink& x, const LaneLink& y) { return x.from > y.from; });
+  }
+}
 
 Result<LineRoads> make_line_roads(const OsmScene& scene, const Course& course, const OsmLine& line,
                                   const LinePlan& plan, ElementFindings& findings) {

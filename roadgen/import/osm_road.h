@@ -32,9 +32,13 @@ inline constexpr double kNodeError_m = 0.5, kLeastInnerRadius_m = 2;
 // Through the nodes where they follow a bend; straight between nodes that are far apart, with rounded corners. Points
 // that lie within 0.15 m of the way without them are left out. Where tags change the one road goes on as the next, and
 // lanes that only one of them has taper away.
+// Where one goes on as the next they are linked, lane by lane.
 // Findings: bends that no road of this width can follow: nodes are left out, then its lanes are made narrower.
 // Errors: as road_from_anchors where this does not help.
 Result<LineRoads> make_line_roads(const OsmScene& scene, const Course& course, const OsmLine& line,
                                   const LinePlan& plan, ElementFindings& findings);
+
+// Links an end of a road to an end of another, and the lanes that go on as one another.
+void link_roads(Road& a, bool a_at_end, Road& b, bool b_at_end);
 
 }  // namespace roadgen

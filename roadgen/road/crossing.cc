@@ -196,11 +196,6 @@ void move_to_middle(JunctionArm& arm) {
   arm.left_m -= n, arm.right_m -= n;
 }
 
-Road* find(Network& network, const std::string& id) {
-  const auto at = std::find_if(network.roads.begin(), network.roads.end(), [&](const Road& r) { return r.id == id; });
-  return at == network.roads.end() ? nullptr : &*at;
-}
-
 }  // namespace
 
 std::vector<bool> corner_roads(const Network& network) {
@@ -262,36 +257,58 @@ Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad>
     Result<Road> road =
         corner_road(id + kCorner + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
     if (!road) return road.error();
+    road->keep_left = ends.front().road->keep_left;
     corners.push_back(std::move(*road));
   }
   if (!corners.empty()) junction->underlap_m = kUnderlap_m;
   return Crossing{std::move(*junction), std::move(corners)};
 }
 
+std::vector<Status> add_crossings(Network& network, std::span<const CrossingPlan> plans, Diagnostics* diagnostics) {
+  const RoadsById roads = roads_by_id(network);
+  std::set<std::string> corner_ids;
+  std::vector<Road> corners;
+  const auto add = [&](const CrossingPlan& plan) -> Status {
+    const auto error = [&](std::string what) {
+      return Error{ErrorCode::kGeometry, std::move(what), {}, 0, "junction " + plan.id};
+    };
+    std::vector<EndOfRoad> ends;
+    for (const RoadEnd& end : plan.ends) {
+      const auto found = roads.find(end.road);
+      if (found == roads.end()) return error("road " + end.road + " does not exist");
+      const Road& road = network.roads[found->second];
+      if (road.segments.empty() || road.closed) return error("road " + end.road + " has no end to join");
+      ends.push_back({&road, end.at_end});
+    }
+    Result<Crossing> crossing = make_crossing(plan.id, ends, plan.options, diagnostics);
+    if (!crossing) return crossing.error();
+    for (const Road& corner : crossing->corners) {
+      if (roads.contains(corner.id) || corner_ids.contains(corner.id)) {
+        return error("road " + corner.id + ", which is to lie along its corner, is there already");
+      }
+    }
+    for (const RoadEnd& end : plan.ends) {
+      Road& road = network.roads[roads.at(end.road)];
+      (end.at_end ? road.joined_end : road.joined_start) = true;
+      (end.at_end ? road.successor : road.predecessor) = {.to = RoadLink::To::kJunction, .id = plan.id};
+    }
+    network.junctions.push_back(std::move(crossing->junction));
+    for (Road& corner : crossing->corners) {
+      corner_ids.insert(corner.id);
+      corners.push_back(std::move(corner));
+    }
+    return Done{};
+  };
+  std::vector<Status> statuses;
+  for (const CrossingPlan& plan : plans) statuses.push_back(add(plan));
+  std::move(corners.begin(), corners.end(), std::back_inserter(network.roads));
+  return statuses;
+}
+
 Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends, const JunctionOptions& options,
                     Diagnostics* diagnostics) {
-  std::vector<EndOfRoad> found;
-  for (const RoadEnd& end : ends) {
-    const Road* road = find(network, end.road);
-    if (!road || road->segments.empty() || road->closed) {
-      return Error{ErrorCode::kGeometry,
-                   "road " + end.road + (road ? " has no end to join" : " does not exist"),
-                   {},
-                   0,
-                   "junction " + id};
-    }
-    found.push_back({road, end.at_end});
-  }
-  Result<Crossing> crossing = make_crossing(id, found, options, diagnostics);
-  if (!crossing) return crossing.error();
-  for (const RoadEnd& end : ends) {
-    Road& road = *find(network, end.road);
-    (end.at_end ? road.joined_end : road.joined_start) = true;
-    (end.at_end ? road.successor : road.predecessor) = {.to = RoadLink::To::kJunction, .id = id};
-  }
-  network.junctions.push_back(std::move(crossing->junction));
-  std::move(crossing->corners.begin(), crossing->corners.end(), std::back_inserter(network.roads));
-  return Done{};
+  const CrossingPlan plan{std::move(id), ends, options};
+  return add_crossings(network, std::span(&plan, 1), diagnostics).front();
 }
 
 }  // namespace roadgen

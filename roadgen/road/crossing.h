@@ -44,10 +44,22 @@ struct EndOfRoad {
 Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad> ends,
                                const JunctionOptions& options = {}, Diagnostics* diagnostics = nullptr);
 
-// Adds to the network the junction `id` that the given ends of its roads form, and the roads along its corners (see
-// make_crossing). Ends in the junction are marked as joined, so markings and surfaces end at its cut, and linked to it.
-// Diagnostics: as make_junction. Errors: as make_junction; kGeometry for an end of a road that the network lacks or that
-// is closed. The network is unchanged then.
+// A crossing that is to be: of the given ends.
+struct CrossingPlan {
+  std::string id;
+  std::vector<RoadEnd> ends;
+  JunctionOptions options = {};
+};
+
+// Adds to the network the junctions that the given ends of its roads form, and the roads along their corners (see
+// make_crossing). Ends in a junction are marked as joined, so markings and surfaces end at its cut, and linked to it.
+// Diagnostics: as make_junction. Errors, one status a plan: as make_junction; kGeometry for an end of a road that the
+// network lacks or that is closed, or where a corner's road has the id of another. Nothing is changed for such a plan.
+// Cost: O(roads + plans).
+std::vector<Status> add_crossings(Network& network, std::span<const CrossingPlan> plans,
+                                  Diagnostics* diagnostics = nullptr);
+
+// One of them. Cost: O(roads); where there are many, add_crossings is for them.
 Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends,
                     const JunctionOptions& options = {}, Diagnostics* diagnostics = nullptr);
 

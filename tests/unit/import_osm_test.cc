@@ -12,9 +12,12 @@
 
 #include "roadgen/export/opendrive.h"
 #include "roadgen/import/import.h"
+#include "roadgen/import/opendrive.h"
 #include "roadgen/import/osm_file.h"
 #include "roadgen/import/osm_heights.h"
 #include "roadgen/import/osm_road.h"
+#include "roadgen/road/crossing.h"
+#include "roadgen/road/movement.h"
 #include "tests/osm_text.h"
 #include "tests/temporary_folder.h"
 
@@ -375,6 +378,210 @@ TEST(OsmImport, NodesAllOverTheGlobeGiveFiniteRoads) {
   for (const Road& road : result->network.roads) EXPECT_TRUE(is_finite(road));
 }
 
+// --- links
+
+const RoadLink& link_of(const Road& road, bool at_end) { return at_end ? road.successor : road.predecessor; }
+glm::dvec3 end_point(const Road& road, bool at_end) {
+  return pose_at(road, at_end ? road.length_m() : 0, 0).position_m;
+}
+
+// Every end of a road is linked, or nothing is near it that it could be linked to; what is linked meets.
+void expect_linked(const Network& network) {
+  std::map<std::string, const Junction*> areas;
+  for (const Junction& junction : network.junctions) areas.emplace(junction.id, &junction);
+  const std::vector<bool> corners = corner_roads(network);
+  std::vector<std::pair<glm::dvec3, bool>> ends;  // and whether linked
+  for (std::size_t i = 0; i < network.roads.size(); ++i) {
+    const Road& road = network.roads[i];
+    if (road.closed || corners[i]) continue;
+    for (const bool at_end : {false, true}) {
+      const RoadLink& link = link_of(road, at_end);
+      ends.emplace_back(end_point(road, at_end), link.to != RoadLink::To::kNothing);
+      if (link.to == RoadLink::To::kRoad) {
+        const Road* other = network.find_road(link.id);
+        ASSERT_TRUE(other) << link.id;
+        EXPECT_LT(glm::length(end_point(road, at_end) - end_point(*other, link.at_end)), 1e-9) << road.id;
+        const RoadLink& back = link_of(*other, link.at_end);
+        EXPECT_EQ(back.lanes.size(), link.lanes.size());
+        for (const LaneLink& lane : link.lanes) {
+          EXPECT_EQ(std::count(back.lanes.begin(), back.lanes.end(), LaneLink{lane.to, lane.from}), 1) << road.id;
+        }
+      } else if (link.to == RoadLink::To::kJunction && areas.contains(link.id)) {
+        const auto& arms = areas.at(link.id)->arms;
+        EXPECT_TRUE(std::any_of(arms.begin(), arms.end(), [&](const JunctionArm& arm) {
+          return arm.road == road.id && arm.at_end == at_end;
+        })) << road.id;
+      }
+    }
+  }
+  for (const auto& [p, linked] : ends) {
+    if (linked) continue;
+    const auto near = std::count_if(ends.begin(), ends.end(),
+                                    [&, q = p](const auto& end) { return glm::length(end.first - q) < 0.1; });
+    EXPECT_EQ(near, 1) << p.x << " " << p.y;
+  }
+  for (const Junction& junction : network.junctions) {
+    for (const JunctionArm& arm : junction.arms) {
+      const Road* road = network.find_road(arm.road);
+      ASSERT_TRUE(road);
+      EXPECT_EQ(link_of(*road, arm.at_end).id, junction.id);
+    }
+  }
+}
+
+// As another program reads it: the roads through the areas are roads, and all links agree both ways.
+Network as_others_read(const Network& network) {
+  std::string text = *opendrive_text(network);
+  for (std::size_t at = 0; (at = text.find("roadgen:", at)) != text.npos;) text.replace(at, 7, "unknown");
+  Diagnostics diagnostics;
+  const Result<Network> read = parse_opendrive(text, "f", &diagnostics);
+  EXPECT_TRUE(read.ok()) << (read.ok() ? "" : read.error().text());
+  if (!read) return {};
+  EXPECT_TRUE(link_problems(*read).empty()) << link_problems(*read).front();
+  return *read;
+}
+
+TEST(OsmLinks, AllEndsThatMeetAreLinked) {
+  std::vector<OsmText> cities;
+  cities.push_back(cross_streets({{"highway", "residential"}}));
+  OsmText tags;  // that change along the road, on a loop and where it turns back
+  tags.node(1, -200, 0)
+      .node(2, -100, 0)
+      .node(3, 0, 0)
+      .node(4, 100, 30)
+      .node(5, 40, 20)
+      .node(6, 0, 200)
+      .node(7, 100, 200);
+  tags.node(8, 50, 300).way(10, {1, 2}, {{"highway", "primary"}, {"lanes", "4"}});
+  tags.way(11, {3, 2}, {{"highway", "primary"}}).way(12, {3, 4}, {{"highway", "tertiary"}});
+  tags.way(13, {4, 5}, {{"highway", "tertiary"}}).way(14, {6, 7}, {{"highway", "residential"}});
+  tags.way(15, {7, 8}, {{"highway", "service"}}).way(16, {8, 6}, {{"highway", "residential"}, {"lanes", "4"}});
+  cities.push_back(tags);
+  OsmText tight;  // too tight for an area
+  tight.node(1, 0, 0).node(2, 100, 0).node(3, 100, 1).node(4, 100, 2).node(5, -50, 0);
+  tight.way(10, {1, 2}, {{"highway", "primary"}}).way(11, {1, 3}, {{"highway", "primary"}});
+  cities.push_back(tight.way(12, {1, 4}, {{"highway", "primary"}}).way(13, {5, 1}, {{"highway", "primary"}}));
+  for (const OsmText& city : cities) {
+    for (const bool left_hand : {false, true}) {
+      const Network network = imported(city, left_hand).network;
+      expect_linked(network);
+      (void)as_others_read(network);
+      const Result<Network> back = parse_opendrive(*opendrive_text(network), "f");
+      ASSERT_TRUE(back.ok());
+      ASSERT_EQ(back->roads.size(), network.roads.size());
+      EXPECT_EQ(back->junction_links, network.junction_links);
+      for (std::size_t i = 0; i < network.roads.size(); ++i) {
+        EXPECT_EQ(back->roads[i].predecessor, network.roads[i].predecessor);
+        EXPECT_EQ(back->roads[i].successor, network.roads[i].successor);
+        EXPECT_EQ(back->roads[i].keep_left, left_hand);
+      }
+    }
+  }
+}
+
+TEST(OsmLinks, LanesGoOnWhereTheyDo) {
+  OsmText osm;
+  osm.node(1, 0, 0).node(2, 150, 0).node(3, 300, 0);
+  osm.way(10, {1, 2}, {{"highway", "primary"}, {"lanes", "4"}}).way(11, {2, 3}, {{"highway", "primary"}});
+  const ImportResult result = imported(osm);
+  const RoadLink expected{RoadLink::To::kRoad, "11", false, {{3, 2}, {1, 1}, {-1, -1}, {-3, -2}}};
+  EXPECT_EQ(road_of(result, "10").successor, expected);
+
+  // Turned back on the spot: the right lane of the one is the left lane of the other.
+  OsmText back;
+  back.node(1, 0, 0).node(2, 100, 0).node(3, 50, 1);
+  const ImportResult turned = imported(back.way(10, {1, 2, 3}, {{"highway", "residential"}}));
+  const RoadLink around{RoadLink::To::kRoad, "10.2", false, {{1, 1}, {-1, -1}}};
+  EXPECT_EQ(road_of(turned, "10").successor, around);
+}
+
+// The lanes of the ways through a junction's area lie in it, and start and end where lanes of its arms do.
+void expect_ways_fit(const Network& network) {
+  const RoadsById roads = roads_by_id(network);
+  for (const Junction& junction : network.junctions) {
+    const JunctionSurface surface = junction_surface(junction);
+    for (const Movement& movement : movements(network, roads, junction)) {
+      const Road way = connecting_road(network, roads, junction, movement, "way");
+      for (const bool at_end : {false, true}) {
+        const RoadLink& link = link_of(way, at_end);
+        const Road& other = *network.find_road(link.id);
+        const RoadPose own = pose_at(way, at_end ? way.length_m() : 0, 0),
+                       arm = pose_at(other, link.at_end ? other.length_m() : 0, 0);
+        const double turned = own.heading_rad - arm.heading_rad + (link.at_end == at_end ? M_PI : 0);
+        EXPECT_NEAR(std::remainder(turned, 2 * M_PI), 0, 1e-6) << junction.id;
+        // Every lane of the way has the other one's width and place.
+        const auto borders = [&](const Road& road, bool end, int id) {
+          const LaneSection& section = end ? road.sections.back() : road.sections.front();
+          const double ds = end ? road.length_m() - section.s_m : 0;
+          const std::vector<Cubic> all = section.borders_m();
+          const std::size_t i = section.right.size() + static_cast<std::size_t>(id > 0 ? id - 1 : id);
+          const double s = end ? road.length_m() : 0;
+          return std::pair(pose_at(road, s, all[i].value(ds)).position_m,
+                           pose_at(road, s, all[i + 1].value(ds)).position_m);
+        };
+        ASSERT_FALSE(link.lanes.empty());
+        for (const LaneLink& lane : link.lanes) {
+          auto [right, left] = borders(way, at_end, lane.from);
+          const auto [a, b] = borders(other, link.at_end, lane.to);
+          if (link.at_end == at_end) std::swap(right, left);
+          EXPECT_LT(glm::length(glm::dvec2(right - a)), 1e-6) << junction.id;
+          EXPECT_LT(glm::length(glm::dvec2(left - b)), 1e-6) << junction.id;
+        }
+      }
+      for (double s = 0.05; s < way.length_m(); s += 0.5) {
+        const std::vector<Cubic> borders = way.sections[0].borders_m();
+        const double middle = 0.5 * (borders.front().value(s) + borders.back().value(s));
+        EXPECT_GT(signed_distance_m(surface, glm::dvec2(pose_at(way, s, middle).position_m)), 0)
+            << junction.id << " " << s;
+      }
+    }
+  }
+}
+
+TEST(OsmLinks, LanesLeadThroughAreas) {
+  // West to east one way with three lanes; north to south two-way with two lanes south.
+  OsmText osm;
+  osm.node(1, -100, 0).node(2, 0, 0).node(3, 100, 0).node(4, 0, -100).node(5, 0, 100);
+  osm.way(10, {1, 2, 3}, {{"highway", "primary"}, {"oneway", "yes"}, {"lanes", "3"}});
+  osm.way(11, {5, 2, 4}, {{"highway", "primary"}, {"lanes", "3"}, {"lanes:forward", "2"}});
+  for (const bool left_hand : {false, true}) {
+    const Network network = imported(osm, left_hand).network;
+    ASSERT_EQ(network.junctions.size(), 1u);
+    expect_ways_fit(network);
+    // From the west in all directions; from the north and the south on and to the east.
+    const Junction& junction = network.junctions[0];
+    std::map<std::pair<std::string, std::string>, std::vector<LaneLink>> lanes;
+    for (const Movement& m : movements(network, roads_by_id(network), junction)) {
+      lanes[{junction.arms[m.from].road, junction.arms[m.to].road}] = m.lanes;
+    }
+    EXPECT_EQ(lanes.size(), 7u);
+    const int side = left_hand ? 1 : -1;  // of lanes that lead along the road
+    const auto along = [&](std::initializer_list<std::pair<int, int>> pairs) {
+      std::vector<LaneLink> links;
+      for (const auto& [a, b] : pairs) links.push_back({side * a, side * b});
+      return links;
+    };
+    const auto of = [&](const char* from, const char* to) { return lanes[{from, to}]; };
+    // A turn across the oncoming lanes comes from the inner lane, one to the outside from the outer ones.
+    const auto &to_south = of("10", "11.2"), &to_north = of("10", "11");
+    EXPECT_EQ(of("10", "10.2"), along({{1, 1}, {2, 2}, {3, 3}}));
+    EXPECT_EQ(of("11", "11.2"), along({{1, 1}, {2, 2}}));
+    EXPECT_EQ(of("11.2", "11"), along({{-1, -1}}));
+    EXPECT_EQ(to_south, left_hand ? along({{1, 1}, {2, 2}}) : along({{2, 1}, {3, 2}}));
+    EXPECT_EQ(to_north, left_hand ? along({{3, -1}}) : along({{1, -1}}));
+    EXPECT_EQ(of("11.2", "10.2"), left_hand ? along({{-1, 1}}) : along({{-1, 3}}));
+    EXPECT_EQ(of("11", "10.2"), left_hand ? along({{1, 2}, {2, 3}}) : along({{1, 1}, {2, 2}}));
+    // The file has a road for each, which others read and we leave out.
+    const Network others = as_others_read(network);
+    EXPECT_EQ(
+        std::count_if(others.roads.begin(), others.roads.end(), [](const Road& r) { return !r.junction.empty(); }), 7);
+    const auto node = std::find_if(others.junction_links.begin(), others.junction_links.end(),
+                                   [](const JunctionLinks& l) { return l.id == "2"; });
+    ASSERT_NE(node, others.junction_links.end());
+    EXPECT_EQ(node->connections.size(), 7u);
+  }
+}
+
 // --- real extracts
 
 struct Extract {
@@ -392,6 +599,8 @@ TEST_P(OsmExtract, EveryDrivableWayIsARoadAndNetworksAreSound) {
   ASSERT_TRUE(result.ok()) << result.error().text();
   const Network& network = result->network;
   for (const std::string& problem : check(network).problems) ADD_FAILURE() << problem;
+  expect_linked(network);
+  (void)as_others_read(network);
   EXPECT_GE(network.roads.size(), GetParam().roads);
   EXPECT_GE(network.junctions.size(), GetParam().areas);
   std::size_t without_area = 0;
