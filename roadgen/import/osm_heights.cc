@@ -15,10 +15,9 @@ namespace roadgen {
 namespace {
 
 constexpr double kCell_m = 64;
-constexpr double kEnough_m = 0.05;  // less is no lack of clearance
-constexpr double kSteeper = 1.3;    // of grades where there is no room, each round
-constexpr int kPatientRounds = 3;   // before ramps become steeper
-constexpr double kMostHeight_m = 60;
+constexpr double kEnough_m = 0.05;    // less is no lack of clearance
+constexpr double kSteeper = 1.3;      // of grades where there is no room, each round
+constexpr int kPatientRounds = 3;     // before ramps become steeper
 constexpr double kLeastKnot_m = 0.5;  // between knots
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
@@ -233,11 +232,12 @@ std::vector<std::pair<double, double>> HeightFinder::knots(const Field& field, s
   double start = node_height(l.node_start), end = node_height(l.node_end);
   const auto found = field.seeds.find(line);
   if (found == field.seeds.end() && start <= 0 && end <= 0) return {};
+  // Dead ends are as high as what leads to them asks for.
+  const bool free_start = start < 0, free_end = end < 0;
   if (found != field.seeds.end()) {
     for (const Seed& seed : found->second) {
-      // Dead ends are as high as what leads to them asks for.
-      if (start < 0 || !(seed.begin_m > 0)) start = std::max(start, seed.height_m - grade * seed.begin_m);
-      if (end < 0 || !(seed.end_m < length)) end = std::max(end, seed.height_m - grade * (length - seed.end_m));
+      if (free_start || !(seed.begin_m > 0)) start = std::max(start, seed.height_m - grade * seed.begin_m);
+      if (free_end || !(seed.end_m < length)) end = std::max(end, seed.height_m - grade * (length - seed.end_m));
     }
   }
   if (start < 0) start = std::max(0.0, end - grade * length);
@@ -264,6 +264,15 @@ std::vector<std::pair<double, double>> HeightFinder::knots(const Field& field, s
     peaks.emplace_back(length, end);
     level_before.push_back(0);
   }
+  // No place is left further below its neighbours than a ramp leads.
+  const auto lift = [&](std::size_t i, std::size_t from) {
+    const double reached = peaks[from].second - grade * std::abs(peaks[i].first - peaks[from].first);
+    if (reached <= peaks[i].second) return;
+    peaks[i].second = reached;
+    level_before[std::max(i, from)] = 0;
+  };
+  for (std::size_t i = 1; i < peaks.size(); ++i) lift(i, i - 1);
+  for (std::size_t i = peaks.size() - 1; i-- > 0;) lift(i, i + 1);
   std::vector<std::pair<double, double>> all = {peaks.front()};
   for (std::size_t i = 1; i < peaks.size(); ++i) {
     const auto [xa, ha] = peaks[i - 1];
@@ -328,7 +337,10 @@ bool HeightFinder::grow(bool steeper) {
         if (lack[seed.crossing] <= kEnough_m) continue;
         const Crossing& c = crossings_[seed.crossing];
         const double now = height(*field, line, field == &sink_ ? c.lower_at_m : c.upper_at_m);
-        seed.height_m = std::min(kMostHeight_m, std::max(seed.height_m, now + lack[seed.crossing]));
+        // Where lines that cross are joined nearby, the one takes the other along; no more than a level beyond its own.
+        const int layer = tags(field == &sink_ ? c.lower_way : c.upper_way).layer;
+        const double most = kLevel_m * (std::abs(layer) + 1);
+        seed.height_m = std::min(most, std::max(seed.height_m, now + lack[seed.crossing]));
       }
     }
   }

@@ -57,6 +57,18 @@ std::pair<double, double> edges(const Road& road) {
   return {road.segments.front().right_m.c0, road.segments.front().left_m.c0};
 }
 
+glm::dvec3 end_point(const Road& road, bool at_end) {
+  return pose_at(road, at_end ? road.length_m() : 0, 0).position_m;
+}
+
+double steepest(const Road& road) {
+  double most = 0;
+  for (const Segment& segment : road.segments) {
+    for (int i = 0; i <= 8; ++i) most = std::max(most, std::abs(segment.elevation_m.slope(segment.arc_m * i / 8)));
+  }
+  return most;
+}
+
 double least_distance(const Network& network, glm::dvec2 p) {
   double least = 1e9;
   for (const Road& road : network.roads) {
@@ -290,6 +302,19 @@ TEST(OsmImport, TunnelGoesBelowTheRoadAbove) {
   EXPECT_EQ(tunnel.sweeps[0].kind(), SweepKind::kTunnel);
 }
 
+TEST(OsmImport, DeadEndBelowSeveralRoadsHasOneRamp) {
+  // A tunnel that ends in the open just behind the second of two roads above it.
+  OsmText osm;
+  osm.node(1, -400, 0).node(2, -60, 0).node(3, 60, 0).node(4, 70, 0).node(5, -30, -90).node(6, -30, 90);
+  osm.node(7, 55, -90).node(8, 55, 90);
+  osm.way(10, {1, 2}, {{"highway", "tertiary"}}).way(11, {2, 3}, {{"highway", "tertiary"}, {"tunnel", "yes"}});
+  osm.way(12, {3, 4}, {{"highway", "tertiary"}}).way(20, {5, 6}, {{"highway", "primary"}});
+  osm.way(21, {7, 8}, {{"highway", "primary"}});
+  const ImportResult result = imported(osm);
+  for (const Road& road : result.network.roads) EXPECT_LT(steepest(road), 1.5 * kGreatestRamp) << road.id;
+  EXPECT_LT(end_point(road_of(result, "12"), true).z, -kLevel_m + 15 * kGreatestRamp);
+}
+
 TEST(OsmImport, CrossingWithoutRoomForARampIsTold) {
   OsmText osm;
   // One goes over to the other within 30 m.
@@ -381,9 +406,6 @@ TEST(OsmImport, NodesAllOverTheGlobeGiveFiniteRoads) {
 // --- links
 
 const RoadLink& link_of(const Road& road, bool at_end) { return at_end ? road.successor : road.predecessor; }
-glm::dvec3 end_point(const Road& road, bool at_end) {
-  return pose_at(road, at_end ? road.length_m() : 0, 0).position_m;
-}
 
 // Every end of a road is linked, or nothing is near it that it could be linked to; what is linked meets.
 void expect_linked(const Network& network) {
@@ -601,6 +623,8 @@ TEST_P(OsmExtract, EveryDrivableWayIsARoadAndNetworksAreSound) {
   for (const std::string& problem : check(network).problems) ADD_FAILURE() << problem;
   expect_linked(network);
   (void)as_others_read(network);
+  // Where a line both rises and sinks the ramps add up.
+  for (const Road& road : network.roads) EXPECT_LT(steepest(road), 2 * 1.5 * kGreatestRamp) << road.id;
   EXPECT_GE(network.roads.size(), GetParam().roads);
   EXPECT_GE(network.junctions.size(), GetParam().areas);
   std::size_t without_area = 0;
