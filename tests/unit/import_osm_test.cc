@@ -303,16 +303,19 @@ TEST(OsmImport, TunnelGoesBelowTheRoadAbove) {
 }
 
 TEST(OsmImport, DeadEndBelowSeveralRoadsHasOneRamp) {
-  // A tunnel that ends in the open just behind the second of two roads above it.
+  // A tunnel below a street and then below another tunnel, that ends in the open just behind it.
   OsmText osm;
-  osm.node(1, -400, 0).node(2, -60, 0).node(3, 60, 0).node(4, 70, 0).node(5, -30, -90).node(6, -30, 90);
-  osm.node(7, 55, -90).node(8, 55, 90);
-  osm.way(10, {1, 2}, {{"highway", "tertiary"}}).way(11, {2, 3}, {{"highway", "tertiary"}, {"tunnel", "yes"}});
+  osm.node(1, -500, 0).node(2, -60, 0).node(3, 60, 0).node(4, 70, 0).node(5, 20, -90).node(6, 20, 90);
+  osm.node(7, 53, -400).node(8, 53, -60).node(9, 53, 30).node(10, 53, 400).node(11, -90, -30).node(12, 190, -30);
+  osm.way(10, {1, 2}, {{"highway", "tertiary"}});
+  osm.way(11, {2, 3}, {{"highway", "tertiary"}, {"tunnel", "yes"}, {"layer", "-2"}});
   osm.way(12, {3, 4}, {{"highway", "tertiary"}}).way(20, {5, 6}, {{"highway", "primary"}});
-  osm.way(21, {7, 8}, {{"highway", "primary"}});
+  osm.way(21, {7, 8}, {{"highway", "primary"}}).way(23, {9, 10}, {{"highway", "primary"}});
+  osm.way(22, {8, 9}, {{"highway", "primary"}, {"tunnel", "yes"}, {"layer", "-1"}});
+  osm.way(30, {11, 12}, {{"highway", "primary"}});
   const ImportResult result = imported(osm);
   for (const Road& road : result.network.roads) EXPECT_LT(steepest(road), 1.5 * kGreatestRamp) << road.id;
-  EXPECT_LT(end_point(road_of(result, "12"), true).z, -kLevel_m + 15 * kGreatestRamp);
+  EXPECT_LT(end_point(road_of(result, "12"), true).z, -2 * kLevel_m + 20 * kGreatestRamp);
 }
 
 TEST(OsmImport, CrossingWithoutRoomForARampIsTold) {
