@@ -48,18 +48,21 @@ struct Seed {
 // One of the two fields: how far lines rise, or how far they sink; both counted positive.
 struct Field {
   std::map<std::uint32_t, std::vector<Seed>> seeds;  // of lines, by place
-  std::vector<double> at_node_m;                     // of the graph's nodes
+  std::vector<double> at_group_m;                    // of the groups of nodes
 };
 
 class HeightFinder {
  public:
-  HeightFinder(const OsmScene& scene, ElementFindings& findings) : scene_(scene), findings_(findings) {}
+  HeightFinder(const OsmScene& scene, const OsmJunctions& junctions, ElementFindings& findings)
+      : scene_(scene), junctions_(junctions), findings_(findings) {}
   std::vector<HeightProfile> run();
 
  private:
   const WayTags& tags(std::uint32_t way) const { return scene_.data.ways[way].tags; }
   template <class Visit>
   void for_each_leg(const Visit& visit) const;
+  void measure_lines();
+  void find_groups();
   void find_crossings();
   void test(const Leg& layered, const Leg& other);
   void plant();
@@ -73,11 +76,19 @@ class HeightFinder {
   HeightProfile profile(std::uint32_t line) const;
   // Index of a line's node among the graph's, or none.
   std::size_t node_index(std::uint32_t node) const;
+  // The group of nodes that it is in, or none.
+  std::size_t group_of(std::uint32_t node) const;
+  template <class Visit>
+  void for_each_end(std::size_t group, const Visit& visit) const;
 
   const OsmScene& scene_;
+  const OsmJunctions& junctions_;
   ElementFindings& findings_;
   std::vector<Crossing> crossings_;
-  std::vector<float> length_m_, grade_;  // [line]
+  std::vector<float> length_m_, grade_;  // [line]; places along lines count from where the area at their start ends
+  // Of the graph's nodes: those of one area are at one height.
+  std::vector<std::uint32_t> group_;
+  std::vector<std::uint32_t> members_, first_member_;  // of each group
   Field rise_, sink_;
 };
 
@@ -173,6 +184,72 @@ std::size_t HeightFinder::node_index(std::uint32_t node) const {
   return at != nodes.end() && *at == node ? static_cast<std::size_t>(at - nodes.begin()) : nodes.size();
 }
 
+constexpr std::size_t kNoGroup = static_cast<std::size_t>(-1);
+
+std::size_t HeightFinder::group_of(std::uint32_t node) const {
+  const std::size_t k = node_index(node);
+  return k == scene_.graph.nodes.size() ? kNoGroup : group_[k];
+}
+
+template <class Visit>
+void HeightFinder::for_each_end(std::size_t group, const Visit& visit) const {
+  for (std::size_t m = first_member_[group]; m < first_member_[group + 1]; ++m) {
+    const std::uint32_t k = members_[m];
+    for (std::size_t e = scene_.graph.first_end[k]; e < scene_.graph.first_end[k + 1]; ++e) visit(scene_.graph.ends[e]);
+  }
+}
+
+void HeightFinder::find_groups() {
+  const std::size_t nodes = scene_.graph.nodes.size();
+  constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+  group_.assign(nodes, kNone);
+  std::uint32_t count = 0;
+  for (const OsmJunction& junction : junctions_.all) {
+    const auto take = [&](std::uint32_t node) {
+      const std::size_t k = node_index(node);
+      if (k < nodes) group_[k] = count;
+    };
+    for (const LineEnd end : junction.ends) {
+      const OsmLine& line = scene_.graph.lines[line_of(end)];
+      take(is_at_end(end) ? line.node_end : line.node_start);
+    }
+    for (const std::uint32_t line : junction.inside) {
+      take(scene_.graph.lines[line].node_start);
+      take(scene_.graph.lines[line].node_end);
+    }
+    ++count;
+  }
+  for (std::uint32_t& group : group_) {
+    if (group == kNone) group = count++;
+  }
+  first_member_.assign(count + 1, 0);
+  for (const std::uint32_t group : group_) ++first_member_[group + 1];
+  for (std::uint32_t g = 0; g < count; ++g) first_member_[g + 1] += first_member_[g];
+  members_.resize(nodes);
+  std::vector<std::uint32_t> next(first_member_.begin(), first_member_.end() - 1);
+  for (std::uint32_t k = 0; k < nodes; ++k) members_[next[group_[k]]++] = k;
+}
+
+// Lengths between areas, and crossings in terms of them; grades.
+void HeightFinder::measure_lines() {
+  Course course;
+  for (std::size_t i = 0; i < scene_.graph.lines.size(); ++i) {
+    const OsmLine& line = scene_.graph.lines[i];
+    load_course(scene_, line, course);
+    const double cut = junctions_.cut_m[2 * i] + junctions_.cut_m[2 * i + 1];
+    const bool is_inside = junctions_.absorbed[i] || course.points_m.empty();
+    length_m_.push_back(is_inside ? 0 : static_cast<float>(std::max(0.0, course.length_m() - cut)));
+    grade_.push_back(static_cast<float>(highway_class(tags(scene_.graph.pieces_of(line)[0].way).highway).ramp_grade));
+  }
+  const auto between_areas = [&](std::uint32_t line, double& at_m) {
+    at_m = std::clamp<double>(at_m - junctions_.cut_m[2 * line], 0, length_m_[line]);
+  };
+  for (Crossing& c : crossings_) {
+    between_areas(c.upper, c.upper_at_m);
+    between_areas(c.lower, c.lower_at_m);
+  }
+}
+
 // A seed of the field that moves, for every crossing.
 void HeightFinder::plant() {
   for (std::uint32_t i = 0; i < crossings_.size(); ++i) {
@@ -192,13 +269,13 @@ void HeightFinder::plant() {
 
 // Heights at the nodes, from the seeds along all lines, by Dijkstra's algorithm from the highest down.
 void HeightFinder::spread(Field& field) {
-  field.at_node_m.assign(scene_.graph.nodes.size(), 0);
+  field.at_group_m.assign(first_member_.size() - 1, 0);
   std::priority_queue<std::pair<double, std::size_t>> open;
   const auto reach = [&](std::uint32_t node, double height) {
-    const std::size_t k = node_index(node);
-    if (k == scene_.graph.nodes.size() || height <= field.at_node_m[k] + 1e-6) return;
-    field.at_node_m[k] = height;
-    open.emplace(height, k);
+    const std::size_t group = group_of(node);
+    if (group == kNoGroup || height <= field.at_group_m[group] + 1e-6) return;
+    field.at_group_m[group] = height;
+    open.emplace(height, group);
   };
   for (const auto& [line, seeds] : field.seeds) {
     const OsmLine& l = scene_.graph.lines[line];
@@ -208,14 +285,13 @@ void HeightFinder::spread(Field& field) {
     }
   }
   while (!open.empty()) {
-    const auto [height, k] = open.top();
+    const auto [height, group] = open.top();
     open.pop();
-    if (height < field.at_node_m[k]) continue;
-    for (std::size_t e = scene_.graph.first_end[k]; e < scene_.graph.first_end[k + 1]; ++e) {
-      const LineEnd end = scene_.graph.ends[e];
+    if (height < field.at_group_m[group]) continue;
+    for_each_end(group, [&, from = height](LineEnd end) {
       const OsmLine& l = scene_.graph.lines[line_of(end)];
-      reach(is_at_end(end) ? l.node_start : l.node_end, height - grade_[line_of(end)] * length_m_[line_of(end)]);
-    }
+      reach(is_at_end(end) ? l.node_start : l.node_end, from - grade_[line_of(end)] * length_m_[line_of(end)]);
+    });
   }
 }
 
@@ -224,8 +300,8 @@ std::vector<std::pair<double, double>> HeightFinder::knots(const Field& field, s
   const OsmLine& l = scene_.graph.lines[line];
   const double length = length_m_[line], grade = grade_[line];
   const auto node_height = [&](std::uint32_t node) {
-    const std::size_t k = node_index(node);
-    return k == scene_.graph.nodes.size() ? -1 : field.at_node_m[k];
+    const std::size_t group = group_of(node);
+    return group == kNoGroup ? -1 : field.at_group_m[group];
   };
   // Places that are as high as they are for a reason, those of one crossing together.
   std::vector<std::pair<double, double>> peaks;
@@ -314,11 +390,11 @@ void HeightFinder::steepen(std::uint32_t line) {
   };
   raise(line);
   for (const std::uint32_t node : {l.node_start, l.node_end}) {
-    const std::size_t k = node_index(node);
-    if (k == scene_.graph.nodes.size()) continue;
-    for (std::size_t e = scene_.graph.first_end[k]; e < scene_.graph.first_end[k + 1]; ++e) {
-      if (line_of(scene_.graph.ends[e]) != line) raise(line_of(scene_.graph.ends[e]));
-    }
+    const std::size_t group = group_of(node);
+    if (group == kNoGroup) continue;
+    for_each_end(group, [&](LineEnd end) {
+      if (line_of(end) != line) raise(line_of(end));
+    });
   }
 }
 
@@ -376,7 +452,10 @@ HeightProfile HeightFinder::profile(std::uint32_t line) const {
   std::sort(p.at_m.begin(), p.at_m.end());
   p.at_m.erase(std::unique(p.at_m.begin(), p.at_m.end(), [](double a, double b) { return b - a < kLeastKnot_m; }),
                p.at_m.end());
-  for (const double at : p.at_m) p.z_m.push_back(linear(up, at) - linear(down, at));
+  for (double& at : p.at_m) {
+    p.z_m.push_back(linear(up, at) - linear(down, at));
+    at += junctions_.cut_m[2 * line];
+  }
   return p;
 }
 
@@ -385,12 +464,8 @@ std::vector<HeightProfile> HeightFinder::run() {
   const std::size_t lines = scene_.graph.lines.size();
   if (crossings_.empty()) return {};
   std::vector<HeightProfile> profiles(lines);
-  Course course;
-  for (const OsmLine& line : scene_.graph.lines) {
-    load_course(scene_, line, course);
-    length_m_.push_back(course.points_m.empty() ? 0 : static_cast<float>(course.length_m()));
-    grade_.push_back(static_cast<float>(highway_class(tags(scene_.graph.pieces_of(line)[0].way).highway).ramp_grade));
-  }
+  measure_lines();
+  find_groups();
   plant();
   spread(rise_);
   spread(sink_);
@@ -424,8 +499,9 @@ HeightProfile::Value HeightProfile::value(double distance_m) const {
   return {c.value(distance_m - at_m[i]), c.slope(distance_m - at_m[i])};
 }
 
-std::vector<HeightProfile> find_heights(const OsmScene& scene, ElementFindings& findings) {
-  return HeightFinder(scene, findings).run();
+std::vector<HeightProfile> find_heights(const OsmScene& scene, const OsmJunctions& junctions,
+                                        ElementFindings& findings) {
+  return HeightFinder(scene, junctions, findings).run();
 }
 
 }  // namespace roadgen

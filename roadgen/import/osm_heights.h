@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "roadgen/import/osm_course.h"
+#include "roadgen/import/osm_junctions.h"
 
 namespace roadgen {
 
@@ -27,9 +28,11 @@ inline constexpr double kGreatestRamp = 0.12;
 // A profile for every line, or none at all where every road lies at 0. Where two lines cross without a common node and
 // their layers differ, a tunnel goes down to kLevel_m below the other or else a bridge up to kLevel_m above it: no more
 // than that, level between two crossings of one bridge or tunnel, with ramps that go on along all lines that meet it.
+// Lines are level where they lie in a junction's area, all of them at one height.
 // Findings: crossings of less than kLevel_m, where even kGreatestRamp does not do.
 // Cost: O(legs) and O(crossings log crossings) a round, kMostHeightRounds rounds.
-std::vector<HeightProfile> find_heights(const OsmScene& scene, ElementFindings& findings);
+std::vector<HeightProfile> find_heights(const OsmScene& scene, const OsmJunctions& junctions,
+                                        ElementFindings& findings);
 inline constexpr int kMostHeightRounds = 16;
 
 }  // namespace roadgen

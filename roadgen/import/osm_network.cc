@@ -328,7 +328,7 @@ Result<ImportResult> OsmImport::run(OsmData data, const std::string& path) {
   show(0.35, "placing junctions");
   junctions_ = place_junctions(scene, findings_);
   show(0.5, "finding heights");
-  heights_ = find_heights(scene, findings_);
+  heights_ = find_heights(scene, junctions_, findings_);
   show(0.6, "laying roads");
   ordinal_ = ordinals();
   make_all(scene);

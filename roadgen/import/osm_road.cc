@@ -486,7 +486,7 @@ void LineMaker::add_structures(Road& road, const WayTags& of, std::size_t part) 
                                       .wall_height_m = 3,
                                       .arch_rise_m = std::min(half, 1.2),
                                       .head_margin_m = 0.3,
-                                      .walkway_m = 0}});
+                                      .walkway_m = kWallOff_m}});
   }
   // None where the road bends too tightly for it.
   for (Sweep& sweep : wanted) {

@@ -628,6 +628,11 @@ TEST_P(OsmExtract, EveryDrivableWayIsARoadAndNetworksAreSound) {
   (void)as_others_read(network);
   // Where a line both rises and sinks the ramps add up.
   for (const Road& road : network.roads) EXPECT_LT(steepest(road), 2 * 1.5 * kGreatestRamp) << road.id;
+  for (const Junction& junction : network.junctions) {
+    for (const JunctionArm& arm : junction.arms) {
+      EXPECT_NEAR(arm.elevation_m, junction.arms[0].elevation_m, 1e-4) << junction.id << " " << arm.road;
+    }
+  }
   EXPECT_GE(network.roads.size(), GetParam().roads);
   EXPECT_GE(network.junctions.size(), GetParam().areas);
   std::size_t without_area = 0;
