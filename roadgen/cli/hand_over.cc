@@ -1,5 +1,5 @@
-// The commands that draw stand in a program of their own beside this one, `roadgen-draw`: the libraries for pictures and
-// OpenGL that it is linked with take 150 MB and 0.2 s to load, more than the other commands need for a town.
+// The commands that draw and make meshes stand in a program of their own beside this one, `roadgen-draw`: the libraries
+// for OpenGL, pictures and polygons take 150 MB and 0.2 s to load, more than the other commands need for a town.
 #include <unistd.h>
 
 #include <cerrno>
@@ -29,6 +29,7 @@ int hand_over(const char* command, const Arguments& arguments) {
 
 }  // namespace
 
+int run_export(const Arguments& arguments) { return hand_over("export", arguments); }
 int run_render(const Arguments& arguments) { return hand_over("render", arguments); }
 int run_fly(const Arguments& arguments) { return hand_over("fly", arguments); }
 

@@ -52,6 +52,7 @@ void write_geometry(XmlWriter& out, const Segment& segment, bool derived) {
 
 // derived: one cubic holds for the whole road.
 void write_elevation(XmlWriter& out, const Road& road, bool derived) {
+  if (derived && road.segments.front().elevation_m == Cubic{}) return;
   out.raw("    <elevationProfile>\n");
   for (const Segment& segment : std::span(road.segments).first(derived ? 1 : road.segments.size())) {
     out.raw("      <elevation").number("s", segment.s_start_m);

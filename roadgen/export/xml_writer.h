@@ -15,7 +15,7 @@ namespace roadgen {
 // Appends to a text, which goes to the sink whenever it has grown to kPiece bytes, if there is a sink.
 class XmlWriter {
  public:
-  static constexpr std::size_t kPiece = 1 << 18;
+  static constexpr std::size_t kPiece = 1 << 16;
   using Sink = std::function<void(std::string_view)>;
   XmlWriter() = default;
   explicit XmlWriter(Sink sink) : sink_(std::move(sink)) {}

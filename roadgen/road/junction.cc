@@ -286,21 +286,38 @@ Outline outline(const Junction& junction) {
 
 // What is wrong with the boundary as a whole.
 std::string outline_fault(const Junction& junction) {
-  const Outline o = outline(junction);
+  Outline o = outline(junction);
   const std::size_t n = o.points.size();
-  const auto point = [&](std::size_t k) { return o.points[k % n]; };
+  o.points.push_back(o.points.front());
+  const std::vector<glm::dvec2>& point = o.points;
+  // An edge is tested against the edges of those runs of them whose box it touches.
+  constexpr std::size_t kRun = 8;
+  struct Box {
+    glm::dvec2 low{1e300, 1e300}, high{-1e300, -1e300};
+  };
+  std::vector<Box> boxes((n + kRun - 1) / kRun);
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i + 2; j < n; ++j) {
-      if (i == 0 && j == n - 1) continue;  // neighbours
-      if (!meet(point(i), point(i + 1), point(j), point(j + 1))) continue;
-      const JunctionArm &a = junction.arms[o.owner[i]], &b = junction.arms[o.owner[j]];
-      return explained(junction.arms, "the area's edges cross at " + name_of(a) +
-                                          (&a == &b ? "" : " and " + name_of(b)) +
-                                          ": move the ends apart or turn them toward one another");
+    Box& box = boxes[i / kRun];
+    box.low = glm::min(box.low, glm::min(point[i], point[i + 1]));
+    box.high = glm::max(box.high, glm::max(point[i], point[i + 1]));
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::dvec2 low = glm::min(point[i], point[i + 1]), high = glm::max(point[i], point[i + 1]);
+    for (std::size_t run = (i + 2) / kRun; run < boxes.size(); ++run) {
+      const Box& box = boxes[run];
+      if (low.x > box.high.x || low.y > box.high.y || high.x < box.low.x || high.y < box.low.y) continue;
+      for (std::size_t j = std::max(i + 2, run * kRun); j < std::min(n, (run + 1) * kRun); ++j) {
+        if (i == 0 && j == n - 1) continue;  // neighbours
+        if (!meet(point[i], point[i + 1], point[j], point[j + 1])) continue;
+        const JunctionArm &a = junction.arms[o.owner[i]], &b = junction.arms[o.owner[j]];
+        return explained(junction.arms, "the area's edges cross at " + name_of(a) +
+                                            (&a == &b ? "" : " and " + name_of(b)) +
+                                            ": move the ends apart or turn them toward one another");
+      }
     }
   }
   double area = 0;
-  for (std::size_t i = 0; i < n; ++i) area += 0.5 * cross(point(i) - point(0), point(i + 1) - point(0));
+  for (std::size_t i = 0; i < n; ++i) area += 0.5 * cross(point[i] - point[0], point[i + 1] - point[0]);
   if (area > 0) return {};
   return explained(junction.arms, "the area of " + name_of(junction.arms[0]) + " and " + name_of(junction.arms[1]) +
                                       " runs clockwise: turn them toward one another");

@@ -10,7 +10,7 @@ namespace roadgen {
 namespace {
 
 constexpr double kLeastLane_m = 0.5;  // narrower ones have tapered away
-constexpr double kPiece_rad = std::numbers::pi / 6;
+constexpr double kPiece_rad = 50 * std::numbers::pi / 180;
 constexpr int kMostPieces = 16;
 constexpr double kSteepest = 5;  // slope of a piece against its chord
 constexpr double kStraight_rad = std::numbers::pi / 6;

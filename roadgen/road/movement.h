@@ -32,8 +32,8 @@ std::vector<Movement> movements(const Network& network, const RoadsById& roads, 
 // The connecting road of a movement, as OpenDRIVE has it: from cut to cut, tangent and level with both roads, its
 // reference line along the inner edge of the innermost lane, its lanes -1, -2, ... (1, 2, ... where traffic keeps left)
 // those of the movement; linked to both roads. For routes and poses: the area is what is drawn.
-// The curve is a Bezier curve's, cut into cubics that turn by at most 30 degrees or so, for a half turn the sides of a
-// circle. Requires: a movement of the junction.
+// The curve is a Bezier curve's, near a circle's where one fits, cut into cubics that turn by at most 50 degrees or so.
+// Requires: a movement of the junction.
 Road connecting_road(const Network& network, const RoadsById& roads, const Junction& junction, const Movement& movement,
                      std::string id);
 
