@@ -296,7 +296,15 @@ void OsmImport::link_ends() {
     if (loose[i].first != loose[i + 1].first) continue;
     const LineEnd a = loose[i].second, b = loose[i + 1].second;
     Road *from = road_at(a), *to = road_at(b);
-    if (from && to) link_roads(*from, is_at_end(a), *to, is_at_end(b));
+    if (from && from == to) {
+      // A road linked to itself would be a closed one, which has no corner there.
+      const std::string id = std::to_string(data_.node_ids[loose[i].first]);
+      link_to_junction(a, id);
+      link_to_junction(b, id);
+      result_.network.junction_links.push_back({id, ""});
+    } else if (from && to) {
+      link_roads(*from, is_at_end(a), *to, is_at_end(b));
+    }
     ++i;
   }
 }

@@ -17,6 +17,7 @@ constexpr double kCornerError_m = 0.8 * kNodeError_m;     // the rest is for cub
 constexpr double kLongestTaper_m = 30;
 constexpr double kLeastPiece_m = 0.05;  // between places where something changes
 constexpr int kMostNarrowings = 6;
+constexpr double kLeastPart = 0.05;                    // of the half width that the mapping is certified for
 constexpr double kLeastStructure_m = 5;                // shorter bridges and tunnels have no rails and vaults
 constexpr double kRailFree_m = 80;                     // from where roads part without an area between them
 constexpr double kRailOff_m = 0.2, kWallOff_m = 0.75;  // beyond the edges
@@ -40,8 +41,9 @@ struct Part {
   double start_m = 0, end_m = 0;  // along the course
   double taper_start_m = 0, taper_end_m = 0;
   LaneSection section;
-  double half_m = 0;
-  double factor = 1;  // of its widths
+  double half_m = 0;      // greatest |t|
+  double least_part = 1;  // of half_m that it tapers to
+  double factor = 1;      // of its widths
 };
 
 bool is_driven(LaneType type) { return type == LaneType::kDriving || type == LaneType::kBidirectional; }
@@ -170,8 +172,11 @@ void LineMaker::find_tapers() {
     a.taper_end_m = std::min(kLongestTaper_m, 0.45 * (a.end_m - a.start_m));
     b.taper_start_m = std::min(kLongestTaper_m, 0.45 * (b.end_m - b.start_m));
     const double joint = joint_half_m(a.section, b.section);
-    a.half_m = std::max(a.half_m, joint);
-    b.half_m = std::max(b.half_m, joint);
+    for (Part* part : {&a, &b}) {
+      const double least = std::min(part->least_part * part->half_m, std::min(joint, part->half_m));
+      part->half_m = std::max(part->half_m, joint);
+      part->least_part = least / part->half_m;
+    }
   }
 }
 
@@ -353,6 +358,11 @@ Result<Road> LineMaker::whole_road() {
   AlignmentOptions options;
   options.least_distance_m = 1e-6;
   options.closed = line_.closed && parts_.size() == 1;
+  // The mapping is certified to a part of the half width, which is less than the anchors' where lanes taper.
+  for (const Part& part : parts_) {
+    options.mapping_tolerance =
+        std::min(options.mapping_tolerance, std::max(part.least_part, kLeastPart) * kMappingTolerance);
+  }
   const auto road_through = [&](double tolerance_m) {
     std::vector<Anchor> through = anchors(thinned(all, tolerance_m));
     if (options.closed) through.pop_back();

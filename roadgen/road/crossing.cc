@@ -111,7 +111,8 @@ std::vector<Lane> joined(const std::vector<Lane>& from, const std::vector<Lane>&
 std::vector<Segment> fine_pieces(const std::vector<Segment>& corner, double width_m) {
   std::vector<Segment> pieces;
   for (const Segment& whole : corner) {
-    const double turn = std::abs(std::remainder(heading_rad(whole, 1) - heading_rad(whole, 0), 2 * std::numbers::pi));
+    // To both sides, where it is bent like an S.
+    const double turn = std::abs(std::atan(whole.slope_start)) + std::abs(std::atan(whole.slope_end));
     const int count = std::max(1, static_cast<int>(std::ceil(turn / kGreatestTurn_rad)));
     for (int i = 0; i < count; ++i) {
       const double u0 = static_cast<double>(i) / count, u1 = static_cast<double>(i + 1) / count;
