@@ -174,6 +174,7 @@ void OsmImport::take_roads(std::size_t line, LineRoads made) {
 // The areas of the given junctions. Those that cannot be are given up: their lines are to be made again.
 std::vector<std::uint32_t> OsmImport::make_areas(const std::vector<std::uint32_t>& which) {
   std::vector<std::string> why(which.size());
+  std::vector<std::uint32_t> bare(which.size(), 0);
   for_chunks(which.size(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::vector<EndOfRoad> ends;
     for (std::size_t k = begin; k < end; ++k) {
@@ -189,6 +190,7 @@ std::vector<std::uint32_t> OsmImport::make_areas(const std::vector<std::uint32_t
       if (crossing) {
         areas_[which[k]] = std::move(crossing->junction);
         corners_[which[k]] = std::move(crossing->corners);
+        bare[k] = static_cast<std::uint32_t>(crossing->bare.size());
       } else {
         why[k] = crossing.error().message;
       }
@@ -196,8 +198,12 @@ std::vector<std::uint32_t> OsmImport::make_areas(const std::vector<std::uint32_t
   });
   std::vector<std::uint32_t> again;
   for (std::size_t k = 0; k < which.size(); ++k) {
-    if (why[k].empty()) continue;
     OsmJunction& junction = junctions_.all[which[k]];
+    if (bare[k] > 0) {
+      findings_.add(Severity::kWarning, "junctions with bare corners", "node " + junction_id(junction),
+                    "nothing lies along " + std::to_string(bare[k]) + " of its corners, which are too tight");
+    }
+    if (why[k].empty()) continue;
     findings_.add(Severity::kWarning, "junctions without an area", "node " + junction_id(junction),
                   "no area fits between its roads, which just touch: " + why[k]);
     junction.area = false;

@@ -251,6 +251,7 @@ Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad>
     return strips(*end->road, end->at_end, on_left);
   };
   std::vector<Road> corners;
+  std::vector<std::size_t> bare;
   for (std::size_t i = 0; i < junction->arms.size(); ++i) {
     const JunctionArm &from = junction->arms[i], &to = junction->arms[(i + 1) % junction->arms.size()];
     const std::vector<Lane> beside_from = strips_of(from, false), beside_to = strips_of(to, true);
@@ -258,11 +259,26 @@ Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad>
     Result<Road> road =
         corner_road(id + kCorner + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
     if (!road) return road.error();
+    const auto certified = [](const Segment& segment) { return is_admissible(segment); };
+    if (!std::all_of(road->segments.begin(), road->segments.end(), certified)) {
+      bare.push_back(i);
+      continue;
+    }
     road->keep_left = ends.front().road->keep_left;
     corners.push_back(std::move(*road));
   }
   if (!corners.empty()) junction->underlap_m = kUnderlap_m;
-  return Crossing{std::move(*junction), std::move(corners)};
+  for (const std::size_t i : bare) {
+    if (!diagnostics) break;
+    const JunctionArm &from = junction->arms[i], &to = junction->arms[(i + 1) % junction->arms.size()];
+    diagnostics->push_back(
+        {Severity::kWarning,
+         "nothing lies along the corner from road " + from.road + " to road " + to.road + ": it is too tight",
+         {},
+         0,
+         "junction " + id});
+  }
+  return Crossing{std::move(*junction), std::move(corners), std::move(bare)};
 }
 
 std::vector<Status> add_crossings(Network& network, std::span<const CrossingPlan> plans, Diagnostics* diagnostics) {

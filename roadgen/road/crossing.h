@@ -32,6 +32,7 @@ JunctionArm arm_of(const Road& road, bool at_end);
 struct Crossing {
   Junction junction;
   std::vector<Road> corners;
+  std::vector<std::size_t> bare;  // corners too tight for what lies beside them, which is left out
 };
 struct EndOfRoad {
   const Road* road = nullptr;
@@ -39,7 +40,8 @@ struct EndOfRoad {
 };
 
 // The junction `id` that the given ends form, and for every corner beside which both arms have kerbs, sidewalks or verges
-// a road "ID.corner.N" that carries them around: strips of one type are joined, others taper away.
+// a road "ID.corner.N" that carries them around: strips of one type are joined, others taper away. None where no mapping
+// can be certified: bent too tightly for the strips' width, or a strip of hardly any width.
 // Requires: roads with segments, not closed. Diagnostics and errors: as make_junction.
 Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad> ends,
                                const JunctionOptions& options = {}, Diagnostics* diagnostics = nullptr);
