@@ -1,9 +1,10 @@
-// Time and peak memory of the import of OpenStreetMap, side by side with SUMO's netconvert on the same files.
-//   import_bench [FILE.osm[.gz]...] [--city WAYS...] [--repeats N] [--roadgen PROGRAM] [--netconvert PROGRAM]
+// Time and peak memory of the import of OpenStreetMap and OpenDRIVE, side by side with SUMO's netconvert on the same
+// files.
+//   import_bench [FILE.osm[.gz]|FILE.xodr...] [--city WAYS...] [--repeats N] [--roadgen PROGRAM] [--netconvert PROGRAM]
 //   import_bench --write-city WAYS FILE     writes a street grid, .osm, .osm.gz or .osm.pbf
 //   import_bench --import FILE              imports and prints what came of it
 // The programs run in turn; of each the medians of wall clock and processor time, and the greatest resident set, as the
-// kernel counts them. Cities are read as PBF by roadgen and as XML by netconvert, which knows no PBF.
+// kernel counts them. Of OpenDRIVE the reading alone is compared, since nothing is left to be written. Cities are read as PBF by roadgen and as XML by netconvert, which knows no PBF.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +20,7 @@
 #include <CLI/CLI.hpp>
 
 #include "roadgen/import/import.h"
+#include "roadgen/import/opendrive.h"
 #include "tests/common/osm_city.h"
 #include "tests/temporary_folder.h"
 
@@ -91,6 +93,19 @@ std::string types_xml() {
   return xml + "</types>\n";
 }
 
+// Likewise for the types of lanes of OpenDRIVE.
+std::string lane_types_xml() {
+  std::string xml = "<types>\n";
+  for (const char* name : {"driving", "bidirectional", "entry", "exit", "onRamp", "offRamp", "connectingRamp"}) {
+    xml += fmt::format("<type id=\"{}\" numLanes=\"1\" speed=\"13.89\" priority=\"1\"/>\n", name);
+  }
+  for (const char* name :
+       {"shoulder", "border", "none", "sidewalk", "parking", "median", "restricted", "stop", "curb"}) {
+    xml += fmt::format("<type id=\"{}\" numLanes=\"1\" speed=\"1\" priority=\"1\" discard=\"1\"/>\n", name);
+  }
+  return xml + "</types>\n";
+}
+
 struct Options {
   std::vector<std::string> files;
   std::vector<std::size_t> cities;
@@ -98,13 +113,20 @@ struct Options {
   std::string self, roadgen, netconvert = "netconvert", import, city_file;
 };
 
+bool is_opendrive(const std::string& path) { return path.ends_with(".xodr"); }
+
 void compare(const Options& o, const std::string& name, const std::string& ours, const std::string& theirs) {
   const TemporaryFolder folder;
   const std::string types = folder.put("types.typ.xml", types_xml());
-  const std::vector<std::vector<std::string>> commands = {{o.netconvert, "--type-files", types, "--osm-files", theirs,
-                                                           "--aggregate-warnings", "1", "-o", folder.path("net.xml")},
-                                                          {o.self, "--import", ours},
-                                                          {o.roadgen, "import", ours, "-o", folder.path("net.xodr")}};
+  const std::string lane_types = folder.put("lanes.typ.xml", lane_types_xml());
+  std::vector<std::string> netconvert = {o.netconvert, "--aggregate-warnings", "1", "-o", folder.path("net.xml")};
+  if (is_opendrive(theirs)) {
+    netconvert.insert(netconvert.end(), {"--type-files", lane_types, "--opendrive-files", theirs});
+  } else {
+    netconvert.insert(netconvert.end(), {"--type-files", types, "--osm-files", theirs});
+  }
+  std::vector<std::vector<std::string>> commands = {netconvert, {o.self, "--import", ours}};
+  if (!is_opendrive(ours)) commands.push_back({o.roadgen, "import", ours, "-o", folder.path("net.xodr")});
   const char* const titles[] = {"netconvert", "import", "roadgen import -o"};
   std::vector<std::vector<Run>> runs(commands.size());
   for (int i = 0; i < o.repeats; ++i) {
@@ -121,14 +143,21 @@ void compare(const Options& o, const std::string& name, const std::string& ours,
 }
 
 int import_one(const std::string& path) {
-  const auto result = roadgen::import_files({path}, {});
-  if (!result) {
-    fmt::print(stderr, "{}\n", result.error().text());
+  const auto describe = [](const roadgen::Network& network) {
+    fmt::print("{} roads, {} segments, {} junctions\n", network.roads.size(), network.segment_count(),
+               network.junctions.size());
+    return 0;
+  };
+  const auto fail = [](const roadgen::Error& error) {
+    fmt::print(stderr, "{}\n", error.text());
     return 1;
+  };
+  if (is_opendrive(path)) {
+    const auto network = roadgen::read_opendrive(path);
+    return network ? describe(*network) : fail(network.error());
   }
-  fmt::print("{} roads, {} segments, {} junctions\n", result->network.roads.size(), result->network.segment_count(),
-             result->network.junctions.size());
-  return 0;
+  const auto result = roadgen::import_files({path}, {});
+  return result ? describe(result->network) : fail(result.error());
 }
 
 }  // namespace
