@@ -69,6 +69,7 @@ class HeightFinder {
   void spread(Field& field);
   double height(const Field& field, std::uint32_t line, double at_m) const;
   double z(std::uint32_t line, double at_m) const { return height(rise_, line, at_m) - height(sink_, line, at_m); }
+  double clearance_m(const Crossing& c) const { return z(c.upper, c.upper_at_m) - z(c.lower, c.lower_at_m); }
   std::vector<std::pair<double, double>> knots(const Field& field, std::uint32_t line) const;
   bool grow(bool steeper);
   void steepen(std::uint32_t line);
@@ -404,7 +405,7 @@ bool HeightFinder::grow(bool steeper) {
   bool any = false;
   for (std::size_t i = 0; i < crossings_.size(); ++i) {
     const Crossing& c = crossings_[i];
-    lack[i] = kLevel_m - (z(c.upper, c.upper_at_m) - z(c.lower, c.lower_at_m));
+    lack[i] = kLevel_m - clearance_m(c);
     any = any || lack[i] > kEnough_m;
   }
   for (Field* field : {&rise_, &sink_}) {
@@ -432,7 +433,7 @@ bool HeightFinder::grow(bool steeper) {
 
 void HeightFinder::report() const {
   for (const Crossing& c : crossings_) {
-    const double clear = z(c.upper, c.upper_at_m) - z(c.lower, c.lower_at_m);
+    const double clear = clearance_m(c);
     if (clear >= kLevel_m - 2 * kEnough_m) continue;
     char text[128];
     std::snprintf(text, sizeof text, "passes only %.2f m above way %lld: no ramp of at most %.0f %% leads higher",
@@ -475,6 +476,9 @@ std::vector<HeightProfile> HeightFinder::run() {
   }
   report();
   for (std::uint32_t i = 0; i < lines; ++i) profiles[i] = profile(i);
+  for (const Crossing& c : crossings_) {
+    if (clearance_m(c) < kLevel_m - 2 * kEnough_m) profiles[c.lower].low = true;
+  }
   return profiles;
 }
 

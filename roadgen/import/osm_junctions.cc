@@ -31,6 +31,7 @@ constexpr double kMostGrowth_m = 30;
 constexpr double kCoverStep_m = 6;    // between places where an area is looked at
 constexpr double kLeastCover = 0.25;  // of a carriageway's half that the area must hold
 constexpr std::size_t kChunk = 512;
+constexpr std::string_view kNameless = "junction : ";
 
 glm::dvec2 left_of(glm::dvec2 d) { return {-d.y, d.x}; }
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
@@ -331,6 +332,8 @@ bool Placer::try_one(OsmJunction& junction, std::string& why) {
       return true;
     }
     if (why.empty()) why = made ? std::string("the roads bend too much on their way to it") : made.error().message;
+    // The name of the junction, which has none yet.
+    if (why.starts_with(kNameless)) why.erase(0, kNameless.size());
   }
   return false;
 }

@@ -114,6 +114,7 @@ LinePlan OsmImport::plan_of(std::size_t i, const Course& course) const {
   plan.touches_start = !plan.joined_start && is_shared(line.node_start);
   plan.touches_end = !plan.joined_end && is_shared(line.node_end);
   plan.heights = heights_.empty() || heights_[i].at_m.empty() ? nullptr : &heights_[i];
+  plan.low = !heights_.empty() && heights_[i].low;
   for (const OsmPiece& piece : course.pieces) {
     const auto same = [&](const OsmPiece& p) { return p.way == piece.way && p.first == piece.first; };
     const auto at = std::find_if(graph_.pieces.begin() + line.first_piece, graph_.pieces.end(), same);

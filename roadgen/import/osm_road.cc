@@ -487,7 +487,7 @@ void LineMaker::add_structures(Road& road, const WayTags& of, std::size_t part) 
     for (const double t : {left + kRailOff_m, right - kRailOff_m}) {
       if (to > from) wanted.push_back({.s_start_m = from, .s_end_m = to, .t_m = t, .shape = GuardRail{}});
     }
-  } else if (of.tunnel) {
+  } else if (of.tunnel && !plan_.low) {
     const double half = 0.5 * (left - right) + kWallOff_m;
     wanted.push_back({.s_start_m = 0,
                       .s_end_m = length,

@@ -325,6 +325,18 @@ TEST(OsmImport, CrossingWithoutRoomForARampIsTold) {
   osm.way(10, {1, 2, 3}, {{"highway", "residential"}, {"bridge", "yes"}}).way(11, {4, 3}, {{"highway", "residential"}});
   const ImportResult result = imported(osm);
   EXPECT_TRUE(mentions(result.diagnostics, "way 10", "above way 11"));
+
+  // A tunnel there has no vault, which would stand in the way of the other.
+  const auto vaults = [](const test::Tags& tunnel, long end) {
+    OsmText town;
+    town.node(1, -30, 0).node(2, 8, 0).node(3, 0, -8).node(4, 0, 30).node(5, 0, -30).node(6, -400, 0);
+    town.way(10, {6, 1, 2, 3}, {{"highway", "residential"}}).way(11, {4, end}, tunnel);
+    const ImportResult made = imported(town);
+    return road_of(made, "11").sweeps.size();
+  };
+  const test::Tags tunnel = {{"highway", "residential"}, {"tunnel", "yes"}};
+  EXPECT_EQ(vaults(tunnel, 5), 1u);
+  EXPECT_EQ(vaults(tunnel, 3), 0u);
 }
 
 TEST(OsmImport, MissingNodesCutAWay) {
