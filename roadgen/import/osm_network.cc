@@ -9,6 +9,7 @@
 
 #include "roadgen/geodesy/local_frame.h"
 #include "roadgen/import/osm_junctions.h"
+#include "roadgen/import/osm_overlaps.h"
 #include "roadgen/import/osm_road.h"
 #include "roadgen/import/parallel.h"
 #include "roadgen/road/crossing.h"
@@ -344,6 +345,7 @@ Result<ImportResult> OsmImport::run(OsmData data, const std::string& path) {
   junctions_ = place_junctions(scene, findings_);
   show(0.5, "finding heights");
   heights_ = find_heights(scene, junctions_, findings_);
+  find_overlaps(scene, junctions_, heights_, findings_);
   show(0.6, "laying roads");
   ordinal_ = ordinals();
   make_all(scene);

@@ -339,6 +339,31 @@ TEST(OsmImport, CrossingWithoutRoomForARampIsTold) {
   EXPECT_EQ(vaults(tunnel, 3), 0u);
 }
 
+TEST(OsmImport, WaysThatOverlapAreTold) {
+  const auto told = [](glm::dvec2 from, glm::dvec2 to, const test::Tags& more) {
+    OsmText osm;
+    osm.node(1, -200, 0).node(2, 0, 0).node(3, 200, 0).node(4, from.x, from.y).node(5, to.x, to.y);
+    test::Tags tags = {{"highway", "residential"}};
+    tags.insert(tags.end(), more.begin(), more.end());
+    Diagnostics of_both;
+    for (const Diagnostic& d :
+         imported(osm.way(10, {1, 2, 3}, {{"highway", "residential"}}).way(11, {4, 5}, tags)).diagnostics) {
+      if (d.message.find("overlap") != std::string::npos) of_both.push_back(d);
+    }
+    return of_both;
+  };
+  const Diagnostics crossing = told({20, -100}, {30, 100}, {});
+  ASSERT_EQ(crossing.size(), 1u);
+  EXPECT_TRUE(mentions(crossing, "way 10", "crosses way 11"));
+  const Diagnostics beside = told({-150, 3}, {150, 3.5}, {});
+  ASSERT_EQ(beside.size(), 1u);
+  EXPECT_TRUE(mentions(beside, "way 10", "lies 3.0 m beside way 11"));
+  EXPECT_EQ(told({50, 1}, {50, 100}, {}).size(), 1u);  // ends on the other
+  EXPECT_EQ(told({50, 8}, {50, 100}, {}).size(), 0u);
+  EXPECT_EQ(told({-150, 6}, {150, 6}, {}).size(), 0u);
+  EXPECT_EQ(told({20, -300}, {30, 300}, {{"bridge", "yes"}}).size(), 0u);
+}
+
 TEST(OsmImport, MissingNodesCutAWay) {
   OsmText osm;
   osm.node(1, 0, 0).node(2, 100, 0).node(4, 200, 0).node(5, 300, 0).node_at(6, "95", "11");
