@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "roadgen/road/parallel.h"
+
 namespace roadgen {
 namespace {
 
@@ -150,8 +152,14 @@ Status check_junctions(const Network& network) {
   for (const Junction& area : network.junctions) {
     if (area.id.empty()) return error("", "a junction has no id; give every junction one");
     if (!areas.insert(area.id).second) return error(area.id, "the id is used twice");
-    if (!can_be_laid(area))
-      return error(area.id, "the area is not one that make_junction lays for its arms and radius");
+  }
+  std::vector<char> laid(network.junctions.size());
+  for_chunks(laid.size(), 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) laid[i] = can_be_laid(network.junctions[i]);
+  });
+  for (std::size_t i = 0; i < laid.size(); ++i) {
+    if (laid[i]) continue;
+    return error(network.junctions[i].id, "the area is not one that make_junction lays for its arms and radius");
   }
   return Done{};
 }

@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "roadgen/import/parallel.h"
+#include "roadgen/road/parallel.h"
 
 namespace roadgen {
 namespace {

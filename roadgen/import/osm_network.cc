@@ -11,7 +11,7 @@
 #include "roadgen/import/osm_junctions.h"
 #include "roadgen/import/osm_overlaps.h"
 #include "roadgen/import/osm_road.h"
-#include "roadgen/import/parallel.h"
+#include "roadgen/road/parallel.h"
 #include "roadgen/road/crossing.h"
 
 namespace roadgen {
