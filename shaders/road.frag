@@ -21,7 +21,7 @@ flat in vec4 superelevation;
 flat in vec4 crossfall;
 flat in vec4 box;
 flat in vec3 eye;
-flat in vec2 bends;
+flat in vec3 extent;
 in vec3 point;
 #else
 in vec2 chord_point;
@@ -105,7 +105,8 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, float s, vec3 position, vec2 si
   float df = road_df(c.u, r.a, r.b);
   vec2 tangent = normalize(axis + vec2(-axis.y, axis.x) * df);
   spot.left = vec2(-tangent.y, tangent.x);
-  float turn = road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5);
+  float stretch = 1.0 + df * df;
+  float turn = road_ddf(c.u, r.a, r.b) / (stretch * sqrt(stretch));
   float bend = max(1.0 - c.v * turn, 0.05);
   spot.turn = turn / r.chord;
   spot.normal = normalize(vec3(-slope.ahead / bend * tangent - slope.aside * spot.left, 1.0));
@@ -229,9 +230,8 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   vec2 k = vec2(ray.wide.x, min(ray.wide.y, part.last - ray.reach));
   // A thousandth of a pixel, or half a millimetre.
   float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
-  float limit = max(section_border(ids.y, int(section_row(ids.y).x) - 1, height.w), -section_border(ids.y, 0, height.w));
-  RoadSearch search = surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit,
-                                     LOOK_ABOUT && !part.beyond, ray.k.x, ray.k.y, r);
+  RoadSearch search = surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, extent.x,
+                                     extent.z, LOOK_ABOUT && !part.beyond, ray.k.x, ray.k.y, r);
   RoadHit hit = search.hit;
   float pixel = right.w * (abs(right.z) + abs(up.z));
 #ifdef CHANNELS
@@ -254,35 +254,39 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   bool within = search.met && hit.k >= ray.k.x - slack && hit.k <= ray.k.y + slack;
 #ifndef CHANNELS
   within = within && !(climb > 0.0 && over);
+  // Within this over the bend the square of its slope to the surface, the silhouette is within two pixels.
+  float room = 4.0 * pixel * (ray.reach + hit.k);
   if (crest) {
     sink_below(spot, -hit.residual, ray.reach + hit.k, sign(search.above));
-  } else if (within && (toward_it * toward_it < 4.0 * pixel * (ray.reach + hit.k) * bends.x ||
-                        toward_it < bends.y)) {
+  } else if (within && (toward_it * toward_it < room * extent.x || toward_it < extent.y)) {
     float dn = dot(spot.left, along.xy);
     float ds = (along.x * spot.left.y - along.y * spot.left.x) / spot.bend;
     float side = climb < 0.0 ? 1.0 : -1.0;
-    // To where it would run level with the surface, with the bend half way there.
     float n = spot.t * spot.cosine;
     float bend = side * surface_bend(spot.s, n, spot.turn, ds, dn, r);
-    float onward = toward_it / max(bend, 1e-6);
-    bend = side * surface_bend(spot.s + 0.5 * ds * onward, n, spot.turn, ds, dn, r);
-    onward = toward_it / max(bend, 1e-6);
-    float deep = 0.5 * toward_it * onward;
-    // Crossfall to both sides makes a ridge of the reference line: there its slope relative to the surface changes.
-    float ridge = -n / (abs(dn) < 1e-6 ? 1e-6 : dn);
-    float fold = side * (r.left0 + r.right0 + (r.left1 + r.right1) * spot.s) * abs(dn);
-    if (ridge > 0.0 && ridge < onward && fold > 0.0) {
-      float rest = max(toward_it - bend * ridge - fold, 0.0);
-      onward = ridge + rest / max(bend, 1e-6);
-      deep = ridge * (toward_it - 0.5 * bend * ridge) + 0.5 * rest * (onward - ridge);
+    // Farther on it may bend more.
+    if (toward_it * toward_it < 2.0 * room * bend || toward_it < extent.y) {
+      // To where it would run level with the surface, with the bend half way there.
+      float onward = toward_it / max(bend, 1e-6);
+      bend = side * surface_bend(spot.s + 0.5 * ds * onward, n, spot.turn, ds, dn, r);
+      onward = toward_it / max(bend, 1e-6);
+      float deep = 0.5 * toward_it * onward;
+      // Crossfall to both sides makes a ridge of the reference line: there its slope relative to the surface changes.
+      float ridge = -n / (abs(dn) < 1e-6 ? 1e-6 : dn);
+      float fold = side * (r.left0 + r.right0 + (r.left1 + r.right1) * spot.s) * abs(dn);
+      if (ridge > 0.0 && ridge < onward && fold > 0.0) {
+        float rest = max(toward_it - bend * ridge - fold, 0.0);
+        onward = ridge + rest / max(bend, 1e-6);
+        deep = ridge * (toward_it - 0.5 * bend * ridge) + 0.5 * rest * (onward - ridge);
+      }
+      int last = int(section_row(ids.y).x) - 1;
+      float away = min(abs(spot.t - section_border(ids.y, 0, height.w + spot.s)),
+                       abs(spot.t - section_border(ids.y, last, height.w + spot.s)));
+      float step = abs(spot.t_step.x) + abs(spot.t_step.y);
+      spot.rough = (away < 1.5 * step && toward_it * toward_it < room * abs(bend)) ||
+                   (abs(spot.t) < step && abs(fold) > 0.3 * toward_it);
+      sink_below(spot, deep, ray.reach + hit.k + onward, side);
     }
-    int last = int(section_row(ids.y).x) - 1;
-    float away = min(abs(spot.t - section_border(ids.y, 0, height.w + spot.s)),
-                     abs(spot.t - section_border(ids.y, last, height.w + spot.s)));
-    float step = abs(spot.t_step.x) + abs(spot.t_step.y);
-    spot.rough = (away < 1.5 * step && toward_it * toward_it < 4.0 * pixel * (ray.reach + hit.k) * abs(bend)) ||
-                 (abs(spot.t) < step && abs(fold) > 0.3 * toward_it);
-    sink_below(spot, deep, ray.reach + hit.k + onward, side);
   }
 #endif
   spot.beyond = part.beyond;
@@ -736,9 +740,7 @@ Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
   // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
   // pixel keeps the ground below it out of all of them. Where the ray grazes the road, that is bounded: it must not come
   // before the road that hides it.
-  vec3 step_x = frame_footprint(spots[0].position, spots[0].normal, right.xyz) * part.size.x;
-  vec3 step_y = frame_footprint(spots[0].position, spots[0].normal, up.xyz) * part.size.y;
-  float spread = 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
+  float spread = 0.5 * (abs(spots[0].w_step.x) + abs(spots[0].w_step.y)) * dot(spots[0].position, forward.xyz);
   if (!from_below) pixel.depth -= min(spread, (1.0 - kNearer) * pixel.depth);
 #endif
   sight.pixel = pixel;

@@ -4,13 +4,16 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <stdlib.h>
 
 #include "roadgen/import/import.h"
 #include "roadgen/query/road_index.h"
 #include "roadgen/render/flight.h"
 #include "roadgen/render/renderer.h"
+#include "roadgen/render/shader_source.h"
 #include "terrain/terrain.h"
 #include "tests/gl/gl_fixture.h"
+#include "tests/temporary_folder.h"
 
 namespace roadgen {
 namespace {
@@ -156,6 +159,57 @@ TEST_F(GroundTest, GroundThatIsNotLevelledIsFound) {
   ASSERT_TRUE(terrain.ok()) << terrain.error().text();
   const Counts counts = look(terrain->tiles());
   EXPECT_GT(counts.through, 50000u);
+}
+
+// Pixels of roads that lie behind the ground are not evaluated: the picture is the same, bit for bit, where they are. Where
+// they are painted instead, before everything, they are there to be seen.
+TEST_F(GroundTest, RoadsBehindTheGroundMayBeLeftOut) {
+  auto terrain = Terrain::build(network_, &*elevation_);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  const auto shader = read_shader_file("road.frag");
+  ASSERT_TRUE(shader.ok());
+  const std::string left_out = "if (!part.beyond && behind_ground(ray)) return sight;";
+  const std::size_t at = shader->find(left_out);
+  ASSERT_NE(at, std::string::npos);
+  const test::TemporaryFolder folder;
+  const auto renderer_with = [&](const std::string& instead) {
+    std::string text = *shader;
+    folder.put("road.frag", text.replace(at, left_out.size(), instead));
+    setenv("ROADGEN_SHADER_DIR", folder.path("").c_str(), 1);
+    auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa));
+    unsetenv("ROADGEN_SHADER_DIR");
+    EXPECT_TRUE(renderer.ok());
+    EXPECT_TRUE(renderer->load_roads(network_).ok());
+    EXPECT_TRUE(renderer->load_ground(terrain->tiles()).ok());
+    return renderer;
+  };
+  auto as_is = renderer_with(left_out), followed = renderer_with(""),
+       painted = renderer_with(
+           "if (!part.beyond && behind_ground(ray)) { sight.pixel = Pixel(vec3(1.0, 0.0, 0.0), 1.0, forward.w, "
+           "vec4(0.0), "
+           "vec3(0.0, 0.0, 1.0), 2.0, 1.0, true, false); sight.seen = 1.0; return sight; }");
+  ASSERT_TRUE(as_is.ok() && followed.ok() && painted.ok());
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::size_t behind = 0;
+  for (int i = 0; i < 12; ++i) {
+    const double s = uniform(random) * network_.roads[0].length_m();
+    Camera camera = drive_camera(network_.roads[0], s, 0, 0.8 * std::pow(100, uniform(random)));
+    camera.yaw_deg += 360 * uniform(random);
+    for (const int samples : {1, 4}) {
+      const FrameOptions request{.width = kWidth, .height = kHeight, .channels = kColor, .samples = samples};
+      const auto a = as_is->render(camera, request), b = followed->render(camera, request),
+                 red = painted->render(camera, request);
+      ASSERT_TRUE(a.ok() && b.ok() && red.ok());
+      const auto difference = compare(a->color, b->color);
+      ASSERT_TRUE(difference.ok());
+      EXPECT_EQ(difference->max, 0) << i << ", " << samples << " samples";
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) behind += red->color.at(x, y, 0) > 250 && red->color.at(x, y, 1) < 10;
+      }
+    }
+  }
+  EXPECT_GT(behind, 2000u);
 }
 
 }  // namespace
