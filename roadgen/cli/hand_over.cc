@@ -22,9 +22,9 @@ int hand_over(const char* command, const Arguments& arguments) {
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   ::execv(program.c_str(), pointers.data());
-  return fail(std::string("roadgen ") + command,
-              {ErrorCode::kIo, "cannot be run: " + std::string(std::strerror(errno)) + "; it belongs beside roadgen",
-               program});
+  return fail(
+      std::string("roadgen ") + command,
+      {ErrorCode::kIo, "cannot be run: " + std::string(std::strerror(errno)) + "; it belongs beside roadgen", program});
 }
 
 }  // namespace

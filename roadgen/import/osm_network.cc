@@ -11,8 +11,8 @@
 #include "roadgen/import/osm_junctions.h"
 #include "roadgen/import/osm_overlaps.h"
 #include "roadgen/import/osm_road.h"
-#include "roadgen/road/parallel.h"
 #include "roadgen/road/crossing.h"
+#include "roadgen/road/parallel.h"
 
 namespace roadgen {
 namespace {
