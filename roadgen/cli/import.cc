@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 
 #include "roadgen/cli/command.h"
@@ -42,7 +43,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("SRC", o.sources,
                  "Files: .csv (lat,lon or x,y [,height][,width], with a header line), .gpx, .geojson, .kml, "
                  ".shp, .gpkg. "
-                 "One road for each line in them")
+                 "One road for each line in them. Or one file of OpenStreetMap, .osm, .osm.gz, .osm.bz2 or .osm.pbf: "
+                 "its streets, with junctions")
       ->required();
   app.add_option("-o,--output", o.output, "OpenDRIVE file to write")->required();
   app.add_option("--origin", o.origin,
@@ -63,6 +65,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--closed", o.closed, "auto, yes or no: whether a line is a loop")
       ->check(CLI::IsMember({"auto", "yes", "no"}))
       ->capture_default_str();
+  app.add_flag("--left-hand", o.import.left_hand_traffic, "OpenStreetMap: traffic keeps left");
   app.add_option("--report", o.report, "JSON file for certificates and diagnostics; - for standard output");
 }
 
@@ -91,7 +94,21 @@ Status settle(Options& o) {
   return o.report.empty() || o.report == "-" ? Status(Done{}) : check_writable(o.report);
 }
 
+// More roads than this are told in one line.
+constexpr std::size_t kMostTold = 200;
+
 void print_certificates(const ImportResult& result) {
+  if (result.certificates.size() > kMostTold) {
+    double length_m = 0, worst_m = 0;
+    for (const Certificate& c : result.certificates) {
+      length_m += c.length_m;
+      worst_m = std::max(worst_m, c.max_error_m);
+    }
+    fmt::print(stderr, "{} roads, {:.3f} km, {} segments, {} junctions; greatest distance of a point {:.2f} m\n",
+               result.network.roads.size(), length_m / 1000, result.network.segment_count(),
+               result.network.junctions.size(), worst_m);
+    return;
+  }
   fmt::print(stderr, "{:>4} {:28} {:>6} {:>10} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}\n", "road", "name", "closed",
              "length m", "points", "segm.", "max m", "rms m", "bound m", "height m");
   for (std::size_t i = 0; i < result.certificates.size(); ++i) {

@@ -74,6 +74,10 @@ Status check_writable(const std::string& path) {
 }
 
 Status write_file(const std::string& path, std::string_view bytes) {
+  return write_file(path, [&](const TakeBytes& take) { take(bytes); });
+}
+
+Status write_file(const std::string& path, const std::function<void(const TakeBytes&)>& write) {
   if (Status status = check_writable(path); !status) return status;
   const fs::path file = resolved(path);
 
@@ -86,7 +90,12 @@ Status write_file(const std::string& path, std::string_view bytes) {
     if (temporary.descriptor < 0 && (errno != EEXIST || attempt >= 100)) return cannot_write(path, errno);
   }
 
-  if (!write_all(temporary.descriptor, bytes) || ::fsync(temporary.descriptor) != 0) return cannot_write(path, errno);
+  int failure = 0;
+  write([&](std::string_view bytes) {
+    if (failure == 0 && !write_all(temporary.descriptor, bytes)) failure = errno;
+  });
+  if (failure != 0) return cannot_write(path, failure);
+  if (::fsync(temporary.descriptor) != 0) return cannot_write(path, errno);
   if (std::rename(temporary.name.c_str(), file.c_str()) != 0) return cannot_write(path, errno);
   temporary.kept = true;
   return Done{};

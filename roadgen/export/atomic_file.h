@@ -1,6 +1,7 @@
 // Output files that appear whole or not at all.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -18,5 +19,10 @@ Status check_writable(const std::string& path);
 // A symbolic link stays, and the file that it names is replaced.
 // Errors: kIo with the path and the reason.
 Status write_file(const std::string& path, std::string_view bytes);
+
+// Likewise the bytes that `write` hands over piece by piece, none of which is kept in memory; pieces are best some 64 KB
+// or larger.
+using TakeBytes = std::function<void(std::string_view)>;
+Status write_file(const std::string& path, const std::function<void(const TakeBytes&)>& write);
 
 }  // namespace roadgen

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <span>
 #include <string_view>
 
 #include "roadgen/export/atomic_file.h"
@@ -10,6 +10,7 @@
 #include "roadgen/export/xodr_junctions.h"
 #include "roadgen/export/xodr_objects.h"
 #include "roadgen/road/crossfall.h"
+#include "roadgen/road/parallel.h"
 
 namespace roadgen {
 namespace {
@@ -38,7 +39,7 @@ void write_header(XmlWriter& out, const Network& network) {
 
 // The frame of the start tangent. With c = 1 / sqrt(1 + a^2) and s = a c, the chord frame turns by
 // (U, V) = L (c x + s f, c f - s x), and f = a x - (2 a + b) x^2 + (a + b) x^3.
-void write_geometry(XmlWriter& out, const Segment& segment) {
+void write_geometry(XmlWriter& out, const Segment& segment, bool derived) {
   const double a = segment.slope_start, b = segment.slope_end, length = segment.chord_length_m();
   const double secant = std::sqrt(1 + a * a), c = length / secant, s = a * c;
   out.raw("      <geometry").number("s", segment.s_start_m);
@@ -46,13 +47,15 @@ void write_geometry(XmlWriter& out, const Segment& segment) {
   out.number("length", segment.arc_m).raw(">\n        <paramPoly3 aU=\"0\"");
   out.number("bU", length * secant).number("cU", -s * (2 * a + b)).number("dU", s * (a + b)).raw(" aV=\"0\" bV=\"0\"");
   out.number("cV", -c * (2 * a + b)).number("dV", c * (a + b)).raw(" pRange=\"normalized\"/>\n");
-  out.user_data("        ", "chord", {segment.end_m.x, segment.end_m.y, a, b});
+  if (!derived) out.user_data("        ", "chord", {segment.end_m.x, segment.end_m.y, a, b});
   out.raw("      </geometry>\n");
 }
 
-void write_elevation(XmlWriter& out, const Road& road) {
+// derived: one cubic holds for the whole road.
+void write_elevation(XmlWriter& out, const Road& road, bool derived) {
+  if (derived && road.segments.front().elevation_m == Cubic{}) return;
   out.raw("    <elevationProfile>\n");
-  for (const Segment& segment : road.segments) {
+  for (const Segment& segment : std::span(road.segments).first(derived ? 1 : road.segments.size())) {
     out.raw("      <elevation").number("s", segment.s_start_m);
     write_cubic(out, segment.elevation_m);
   }
@@ -282,27 +285,63 @@ void write_lanes(XmlWriter& out, const Road& road) {
   out.raw("    </lanes>\n");
 }
 
-void write_road(XmlWriter& out, const Road& road) {
+// derived: what of it only our own reader needs is left out, since it leaves out the road.
+void write_road(XmlWriter& out, const Road& road, bool derived = false) {
   out.raw("  <road").text("name", road.name).number("length", road.length_m()).text("id", road.id);
-  out.text("junction", road.junction.empty() ? "-1" : road.junction).raw(" rule=\"RHT\">\n");
+  out.text("junction", road.junction.empty() ? "-1" : road.junction)
+      .text("rule", road.keep_left ? "LHT" : "RHT")
+      .raw(">\n");
   write_links(out, road);
   out.raw("    <planView>\n");
-  for (const Segment& segment : road.segments) write_geometry(out, segment);
+  for (const Segment& segment : road.segments) write_geometry(out, segment, derived);
   out.raw("    </planView>\n");
-  write_elevation(out, road);
+  write_elevation(out, road, derived);
   write_lateral(out, road);
   write_lanes(out, road);
   write_objects(out, road);
-  write_joined(out, road);
+  if (derived) {
+    out.user_data("    ", "derived", {}, "way");
+  } else {
+    write_joined(out, road);
+  }
   out.raw("  </road>\n");
 }
 
-Status check_roads(const Network& network) {
-  std::set<std::string_view> ids;
+// The texts of `count` parts in their order, made on all cores, eight chunks at a time. A chunk is best some 20 KB.
+template <class Write>
+void write_parts(XmlWriter& out, std::size_t count, std::size_t chunk_size, const Write& write) {
+  const std::size_t batch = 8 * chunk_size;
+  std::vector<std::string> texts;
+  for (std::size_t first = 0; first < count; first += batch) {
+    const std::size_t parts = std::min(batch, count - first);
+    texts.assign((parts + chunk_size - 1) / chunk_size, {});
+    for_chunks(parts, chunk_size, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      XmlWriter part;
+      for (std::size_t i = begin; i < end; ++i) write(part, first + i);
+      texts[chunk] = part.take();
+    });
+    for (const std::string& text : texts) out.raw(text);
+  }
+}
+
+// The connecting roads that follow from areas.
+void write_derived_roads(XmlWriter& out, const Network& network, const RoadsById& roads) {
+  const LinksById listed = links_by_id(network);
+  write_parts(out, network.junctions.size(), 1, [&](XmlWriter& part, std::size_t i) {
+    const Junction& area = network.junctions[i];
+    for (const DerivedWay& way : derived_ways(network, roads, listed, area)) {
+      write_road(part, connecting_road(network, roads, area, way.movement, way.id), true);
+    }
+  });
+}
+
+Status check_roads(const Network& network, const RoadsById& roads) {
   for (const Road& road : network.roads) {
     const std::string element = "road " + road.id;
     if (road.id.empty()) return Error{ErrorCode::kData, "a road has no id; give every road one"};
-    if (!ids.insert(road.id).second) return Error{ErrorCode::kData, "the id is used twice", {}, 0, element};
+    if (&network.roads[roads.at(road.id)] != &road) {
+      return Error{ErrorCode::kData, "the id is used twice", {}, 0, element};
+    }
     if (road.segments.empty()) return Error{ErrorCode::kData, "the road has no segments", {}, 0, element};
     if (road.sections.empty()) return Error{ErrorCode::kData, "the road has no lane sections", {}, 0, element};
     if (!is_finite(road) || !has_finite_sweeps(road))
@@ -313,26 +352,45 @@ Status check_roads(const Network& network) {
 
 }  // namespace
 
-Result<std::string> opendrive_text(const Network& network) {
-  if (Status status = check_roads(network); !status) return status.error();
-  if (Status status = check_junctions(network); !status) return status.error();
-  XmlWriter out;
+namespace {
+
+Status check_network(const Network& network, const RoadsById& roads) {
+  if (Status status = check_roads(network, roads); !status) return status;
+  return check_junctions(network);
+}
+
+void write_network(XmlWriter& out, const Network& network, const RoadsById& roads) {
   out.raw("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n");
   write_header(out, network);
-  for (const Road& road : network.roads) write_road(out, road);
-  write_junctions(out, network);
+  write_parts(out, network.roads.size(), 4,
+              [&](XmlWriter& part, std::size_t i) { write_road(part, network.roads[i]); });
+  write_derived_roads(out, network, roads);
+  write_junctions(out, network, roads);
   out.raw("</OpenDRIVE>\n");
+}
+
+}  // namespace
+
+Result<std::string> opendrive_text(const Network& network) {
+  const RoadsById roads = roads_by_id(network);
+  if (Status status = check_network(network, roads); !status) return status.error();
+  XmlWriter out;
+  write_network(out, network, roads);
   return out.take();
 }
 
 Status write_opendrive(const Network& network, const std::string& path) {
-  Result<std::string> text = opendrive_text(network);
-  if (!text) {
-    Error error = text.error();
+  const RoadsById roads = roads_by_id(network);
+  if (const Status status = check_network(network, roads); !status) {
+    Error error = status.error();
     error.file = path;
     return error;
   }
-  return write_file(path, *text);
+  return write_file(path, [&](const TakeBytes& take) {
+    XmlWriter out(take);
+    write_network(out, network, roads);
+    out.flush();
+  });
 }
 
 }  // namespace roadgen

@@ -19,7 +19,9 @@
 // <userData code="roadgen:chord" value="END_X END_Y SLOPE_START SLOPE_END"/>; likewise "roadgen:crossfall" (S and the
 // coefficients left and right), "roadgen:mark" (WIDTH SPACE ON OFF PHASE), "roadgen:paint" (COLOUR STRIPE), "roadgen:sweep"
 // (xodr_objects.cc), "roadgen:joined" (START END), "roadgen:area" and "roadgen:arm" (xodr_junctions.h); thus a network
-// that was written, read and written again is the same file. Other programs skip userData and lose nothing.
+// that was written, read and written again is the same file. Where a junction's area has no connections of its own, the
+// file gets connecting roads for the movements() between its arms; "roadgen:derived" marks them, and they are left out
+// when the file is read, since they follow from the area. Other programs skip userData and lose nothing.
 #pragma once
 
 #include <string>
@@ -33,7 +35,7 @@ namespace roadgen {
 // or a junction's corners are not those that make_junction lays for its arms and radius.
 Result<std::string> opendrive_text(const Network& network);
 
-// Writes the text to path, whole or not at all. Errors: as opendrive_text; kIo.
+// Writes the text to path, whole or not at all, and without ever having all of it in memory. Errors: as opendrive_text; kIo.
 Status write_opendrive(const Network& network, const std::string& path);
 
 }  // namespace roadgen

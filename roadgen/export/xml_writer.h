@@ -3,6 +3,7 @@
 #pragma once
 
 #include <charconv>
+#include <functional>
 #include <initializer_list>
 #include <span>
 #include <string>
@@ -11,11 +12,17 @@
 
 namespace roadgen {
 
-// Appends to a text.
+// Appends to a text, which goes to the sink whenever it has grown to kPiece bytes, if there is a sink.
 class XmlWriter {
  public:
+  static constexpr std::size_t kPiece = 1 << 16;
+  using Sink = std::function<void(std::string_view)>;
+  XmlWriter() = default;
+  explicit XmlWriter(Sink sink) : sink_(std::move(sink)) {}
+
   XmlWriter& raw(std::string_view text) {
     text_ += text;
+    if (text_.size() >= kPiece && sink_) flush();
     return *this;
   }
   // name="x", shortest digits that bring the same double back, whatever the locale.
@@ -52,7 +59,12 @@ class XmlWriter {
     for (const char c : words) escape(c);
     raw("\"/>\n");
   }
+  // What has not gone to the sink.
   std::string take() { return std::move(text_); }
+  void flush() {
+    sink_(text_);
+    text_.clear();
+  }
 
  private:
   void escape(char c) {
@@ -70,6 +82,7 @@ class XmlWriter {
   }
 
   std::string text_;
+  Sink sink_;
 };
 
 }  // namespace roadgen

@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "roadgen/road/parallel.h"
+
 namespace roadgen {
 namespace {
 
@@ -24,10 +26,11 @@ void write_arm(XmlWriter& out, const JunctionArm& a) {
   out.user_data("    ", "arm", numbers, a.road);
 }
 
-void write_junction(XmlWriter& out, const std::string& id, const JunctionLinks* links, const Junction* area) {
-  out.raw("  <junction").text("id", id).text("name", links ? links->name : "").raw(" type=\"default\">\n");
-  for (std::size_t i = 0; links && i < links->connections.size(); ++i) {
-    const Connection& c = links->connections[i];
+void write_junction(XmlWriter& out, const std::string& id, const std::string& name,
+                    const std::vector<Connection>& connections, const Junction* area) {
+  out.raw("  <junction").text("id", id).text("name", name).raw(" type=\"default\">\n");
+  for (std::size_t i = 0; i < connections.size(); ++i) {
+    const Connection& c = connections[i];
     out.raw("    <connection").text("id", std::to_string(i)).text("incomingRoad", c.incoming);
     out.text("connectingRoad", c.connecting).text("contactPoint", contact(c.at_end)).raw(">\n");
     for (const LaneLink& lane : c.lanes) {
@@ -82,23 +85,57 @@ void write_joined(XmlWriter& out, const Road& road) {
   out.user_data("    ", "joined", {road.joined_start ? 1.0 : 0.0, road.joined_end ? 1.0 : 0.0});
 }
 
-void write_junctions(XmlWriter& out, const Network& network) {
+LinksById links_by_id(const Network& network) {
+  LinksById links;
+  for (const JunctionLinks& l : network.junction_links) links.emplace(l.id, &l);
+  return links;
+}
+
+std::vector<DerivedWay> derived_ways(const Network& network, const RoadsById& roads, const LinksById& listed,
+                                     const Junction& area) {
+  const auto links = listed.find(area.id);
+  if (links != listed.end() && !links->second->connections.empty()) return {};
+  std::vector<DerivedWay> ways;
+  std::size_t number = 0;
+  for (Movement& movement : movements(network, roads, area)) {
+    std::string id;
+    do {
+      id = area.id + ".way." + std::to_string(number++);
+    } while (roads.contains(id));
+    ways.push_back({std::move(movement), std::move(id)});
+  }
+  return ways;
+}
+
+void write_junctions(XmlWriter& out, const Network& network, const RoadsById& roads) {
+  const LinksById listed = links_by_id(network);
+  const auto write_area = [&](const Junction& area, const std::string& name) {
+    std::vector<Connection> connections;
+    for (DerivedWay& way : derived_ways(network, roads, listed, area)) {
+      const Road& from = network.roads[roads.at(area.arms[way.movement.from].road)];
+      connections.push_back(connection_of(area, way.movement, from.keep_left, std::move(way.id)));
+    }
+    write_junction(out, area.id, name, connections, &area);
+  };
   std::map<std::string_view, std::size_t> areas;
   for (std::size_t i = 0; i < network.junctions.size(); ++i) areas.emplace(network.junctions[i].id, i);
-  std::set<std::string_view> nodes;
-  for (const JunctionLinks& links : network.junction_links) nodes.insert(links.id);
   // Areas alone keep their place among those that are nodes too.
   std::size_t next = 0;
   const auto write_lone_areas = [&](std::size_t end) {
     for (; next < end; ++next) {
       const Junction& area = network.junctions[next];
-      if (!nodes.contains(area.id)) write_junction(out, area.id, nullptr, &area);
+      if (!listed.contains(area.id)) write_area(area, "");
     }
   };
   for (const JunctionLinks& links : network.junction_links) {
     const auto area = areas.find(links.id);
     if (area != areas.end()) write_lone_areas(area->second);
-    write_junction(out, links.id, &links, area == areas.end() ? nullptr : &network.junctions[area->second]);
+    const Junction* own = area == areas.end() ? nullptr : &network.junctions[area->second];
+    if (own && links.connections.empty()) {
+      write_area(*own, links.name);
+    } else {
+      write_junction(out, links.id, links.name, links.connections, own);
+    }
   }
   write_lone_areas(network.junctions.size());
 }
@@ -115,8 +152,14 @@ Status check_junctions(const Network& network) {
   for (const Junction& area : network.junctions) {
     if (area.id.empty()) return error("", "a junction has no id; give every junction one");
     if (!areas.insert(area.id).second) return error(area.id, "the id is used twice");
-    if (!can_be_laid(area))
-      return error(area.id, "the area is not one that make_junction lays for its arms and radius");
+  }
+  std::vector<char> laid(network.junctions.size());
+  for_chunks(laid.size(), 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) laid[i] = can_be_laid(network.junctions[i]);
+  });
+  for (std::size_t i = 0; i < laid.size(); ++i) {
+    if (laid[i]) continue;
+    return error(network.junctions[i].id, "the area is not one that make_junction lays for its arms and radius");
   }
   return Done{};
 }

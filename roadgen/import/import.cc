@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/geodesy/local_frame.h"
+#include "roadgen/import/osm_file.h"
+#include "roadgen/import/osm_network.h"
 
 namespace roadgen {
 namespace {
@@ -168,9 +170,23 @@ double height_tolerance_m(std::span<const Sample> samples) {
   return std::clamp(3 * mean, kLeastHeightError_m, kGreatestHeightError_m);
 }
 
+void add_distance_warning(ImportResult& result, const std::string& path) {
+  if (!(result.greatest_distance_m > kFarFromOrigin_m)) return;
+  const int km = static_cast<int>(result.greatest_distance_m / 1000);
+  result.diagnostics.push_back({Severity::kWarning,
+                                "points lie up to " + std::to_string(km) +
+                                    " km from the origin, where level lengths appear shortened by " +
+                                    std::to_string(length_distortion(result.greatest_distance_m)) + " of themselves",
+                                path});
+}
+
 Result<ImportResult> import_files(const std::vector<std::string>& paths, const ImportOptions& options,
                                   const Progress& progress) {
   if (Status status = check_options(paths, options); !status) return status.error();
+  if (std::any_of(paths.begin(), paths.end(), is_osm_file)) {
+    if (paths.size() == 1) return import_osm(paths.front(), options, progress);
+    return Error{ErrorCode::kUsage, "an OSM file is imported alone; osmium merge joins several", paths.front()};
+  }
   ImportResult result;
   const Result<std::vector<Track>> tracks = read_all(paths, progress, result.diagnostics);
   if (!tracks) return tracks.error();
@@ -195,14 +211,7 @@ Result<ImportResult> import_files(const std::vector<std::string>& paths, const I
     if (Status status = fit_into(result, job, local, options); !status) return status.error();
   }
   result.network.name = stem(paths.front());
-  if (result.greatest_distance_m > kFarFromOrigin_m) {
-    const int km = static_cast<int>(result.greatest_distance_m / 1000);
-    result.diagnostics.push_back({Severity::kWarning,
-                                  "points lie up to " + std::to_string(km) +
-                                      " km from the origin, where level lengths appear shortened by " +
-                                      std::to_string(length_distortion(result.greatest_distance_m)) + " of themselves",
-                                  paths.front()});
-  }
+  add_distance_warning(result, paths.front());
   if (progress) progress(1, "done");
   return result;
 }

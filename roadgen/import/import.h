@@ -30,6 +30,7 @@ struct ImportOptions {
   // Of the whole road, where the file has none; in [kLeastWidth_m, kGreatestWidth_m]. Default: 7
   double width_m = 7;
   Closed closed = Closed::kAuto;
+  bool left_hand_traffic = false;  // OSM files: lanes and traffic keep left
 };
 inline constexpr double kLeastMaxError_m = 0.001, kGreatestMaxError_m = 100;
 // Public centre lines come rounded to 1e-6 degree: up to 0.056 m in each direction. A smaller error would fit the
@@ -53,6 +54,7 @@ struct ImportResult {
 // Called with the part that is done, in [0, 1], and what is being done.
 using Progress = std::function<void(double part, const std::string& what)>;
 
+// An OSM file (see osm_network.h) is imported alone. Of other files:
 // Reads, cleans and fits every track of the files (see track.h and clean.h for what that is). All files share one
 // frame: either all hold latitudes and longitudes or all hold metres.
 // Tracks with fewer than two distinct points are left out with a warning where others remain.
@@ -60,6 +62,9 @@ using Progress = std::function<void(double part, const std::string& what)>;
 // fit_road, with file and element.
 Result<ImportResult> import_files(const std::vector<std::string>& paths, const ImportOptions& options,
                                   const Progress& progress = {});
+
+// Warns where points lie so far from the origin that lengths appear shortened.
+void add_distance_warning(ImportResult& result, const std::string& path);
 
 // The report of an import as JSON: {"origin", "length_distortion", "roads": [...], "diagnostics": [...]}; origin and
 // length_distortion are absent for metres.

@@ -1,26 +1,101 @@
 #include "roadgen/import/ogr.h"
 
-#include <cpl_conv.h>
 #include <cpl_error.h>
-#include <gdal_priv.h>
-#include <ogr_spatialref.h>
-#include <ogrsf_frmts.h>
+#include <dlfcn.h>
+#include <gdal.h>
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
 
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 
 #include "roadgen/import/text_file.h"
 
 namespace roadgen {
 namespace {
 
+// What is called of GDAL. The library is loaded when a file first needs it: with the 100 others that it needs it takes
+// 30 MB and 60 ms, more than the import of a town.
+#define ROADGEN_GDAL_FUNCTIONS(X)       \
+  X(CPLGetErrorHandlerUserData)         \
+  X(CPLPopErrorHandler)                 \
+  X(CPLPushErrorHandlerEx)              \
+  X(GDALAllRegister)                    \
+  X(GDALClose)                          \
+  X(GDALDatasetGetLayer)                \
+  X(GDALDatasetGetLayerCount)           \
+  X(GDALOpenEx)                         \
+  X(OCTDestroyCoordinateTransformation) \
+  X(OCTNewCoordinateTransformation)     \
+  X(OCTTransform)                       \
+  X(OGR_F_Destroy)                      \
+  X(OGR_F_GetFID)                       \
+  X(OGR_F_GetFieldAsString)             \
+  X(OGR_F_GetFieldIndex)                \
+  X(OGR_F_GetGeometryRef)               \
+  X(OGR_F_IsFieldSetAndNotNull)         \
+  X(OGR_GT_Flatten)                     \
+  X(OGR_G_DestroyGeometry)              \
+  X(OGR_G_GetGeometryCount)             \
+  X(OGR_G_GetGeometryRef)               \
+  X(OGR_G_GetGeometryType)              \
+  X(OGR_G_GetLinearGeometry)            \
+  X(OGR_G_GetPointCount)                \
+  X(OGR_G_GetX)                         \
+  X(OGR_G_GetY)                         \
+  X(OGR_G_GetZ)                         \
+  X(OGR_G_Is3D)                         \
+  X(OGR_G_IsEmpty)                      \
+  X(OGR_L_GetName)                      \
+  X(OGR_L_GetNextFeature)               \
+  X(OGR_L_GetSpatialRef)                \
+  X(OGR_L_ResetReading)                 \
+  X(OSRClone)                           \
+  X(OSRDestroySpatialReference)         \
+  X(OSRIsSame)                          \
+  X(OSRNewSpatialReference)             \
+  X(OSRSetAxisMappingStrategy)          \
+  X(OSRSetWellKnownGeogCS)
+
+struct Gdal {
+#define ROADGEN_MEMBER(name) decltype(&::name) name = nullptr;
+  ROADGEN_GDAL_FUNCTIONS(ROADGEN_MEMBER)
+#undef ROADGEN_MEMBER
+  std::string failure;  // why it is not there; empty where it is
+};
+
+Gdal load_gdal() {
+  Gdal gdal;
+  void* library = ::dlopen(ROADGEN_GDAL_LIBRARY, RTLD_NOW | RTLD_LOCAL);
+  const auto fail = [&] {
+    const char* why = ::dlerror();
+    gdal.failure = why ? why : ROADGEN_GDAL_LIBRARY " lacks a function";
+  };
+  if (!library) {
+    fail();
+    return gdal;
+  }
+#define ROADGEN_LOAD(name)                                                  \
+  gdal.name = reinterpret_cast<decltype(&::name)>(::dlsym(library, #name)); \
+  if (!gdal.name && gdal.failure.empty()) fail();
+  ROADGEN_GDAL_FUNCTIONS(ROADGEN_LOAD)
+#undef ROADGEN_LOAD
+  if (gdal.failure.empty()) gdal.GDALAllRegister();
+  return gdal;
+}
+
+// It stays loaded.
+const Gdal& gdal() {
+  static const Gdal loaded = load_gdal();
+  return loaded;
+}
+
 // Collects GDAL's messages of this thread instead of letting them go to stderr, for as long as it lives.
 class GdalMessages {
  public:
-  GdalMessages() { CPLPushErrorHandlerEx(&GdalMessages::take, this); }
-  ~GdalMessages() { CPLPopErrorHandler(); }
+  GdalMessages() { gdal().CPLPushErrorHandlerEx(&GdalMessages::take, this); }
+  ~GdalMessages() { gdal().CPLPopErrorHandler(); }
   GdalMessages(const GdalMessages&) = delete;
   GdalMessages& operator=(const GdalMessages&) = delete;
 
@@ -29,7 +104,7 @@ class GdalMessages {
 
  private:
   static void CPL_STDCALL take(CPLErr severity, CPLErrorNum, const char* message) {
-    auto* self = static_cast<GdalMessages*>(CPLGetErrorHandlerUserData());
+    auto* self = static_cast<GdalMessages*>(gdal().CPLGetErrorHandlerUserData());
     std::string text = message;
     for (char& c : text) {
       if (c == '\n' || c == '\r') c = ' ';
@@ -39,18 +114,23 @@ class GdalMessages {
   }
 };
 
-struct CloseDataset {
-  void operator()(GDALDataset* dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<GDALDataset, CloseDataset>;
+// What a function of GDAL made, until another of them frees it.
+template <class Handle>
+class Owned {
+ public:
+  using Free = void (*)(Handle);
+  Owned(Handle handle, Free free) : handle_(handle), free_(free) {}
+  ~Owned() {
+    if (handle_) free_(handle_);
+  }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+  Handle get() const { return handle_; }
+  explicit operator bool() const { return handle_ != nullptr; }
 
-struct DestroyTransformation {
-  void operator()(OGRCoordinateTransformation* t) const { OGRCoordinateTransformation::DestroyCT(t); }
-};
-using Transformation = std::unique_ptr<OGRCoordinateTransformation, DestroyTransformation>;
-
-struct DestroyFeature {
-  void operator()(OGRFeature* feature) const { OGRFeature::DestroyFeature(feature); }
+ private:
+  Handle handle_;
+  Free free_;
 };
 
 class Reader {
@@ -60,9 +140,9 @@ class Reader {
   Result<std::vector<Track>> read();
 
  private:
-  Status read_layer(OGRLayer& layer);
-  Status read_feature(const OGRFeature& feature, OGRCoordinateTransformation* to_wgs84, bool geodetic);
-  Status read_line(const OGRLineString& line, const Track& like, OGRCoordinateTransformation* to_wgs84);
+  Status read_layer(OGRLayerH layer);
+  Status read_feature(OGRFeatureH feature, OGRCoordinateTransformationH to_wgs84, bool geodetic);
+  Status read_line(OGRGeometryH line, const Track& like, OGRCoordinateTransformationH to_wgs84);
 
   const std::string& path_;
   Diagnostics& diagnostics_;
@@ -71,19 +151,22 @@ class Reader {
   int not_lines_ = 0;
 };
 
-std::string property(const OGRFeature& feature, const char* name) {
-  const int field = feature.GetFieldIndex(name);  // ignores case
-  return field >= 0 && feature.IsFieldSetAndNotNull(field) ? feature.GetFieldAsString(field) : "";
+std::string property(OGRFeatureH feature, const char* name) {
+  const int field = gdal().OGR_F_GetFieldIndex(feature, name);  // ignores case
+  const bool known = field >= 0 && gdal().OGR_F_IsFieldSetAndNotNull(feature, field);
+  return known ? gdal().OGR_F_GetFieldAsString(feature, field) : "";
 }
 
-Status Reader::read_line(const OGRLineString& line, const Track& like, OGRCoordinateTransformation* to_wgs84) {
+Status Reader::read_line(OGRGeometryH line, const Track& like, OGRCoordinateTransformationH to_wgs84) {
   Track track = like;
-  const bool has_height = line.Is3D();
+  const bool has_height = gdal().OGR_G_Is3D(line);
   int left_out = 0;
-  for (int i = 0; i < line.getNumPoints(); ++i) {
-    TrackPoint point{line.getX(i), line.getY(i)};
-    if (has_height && std::isfinite(line.getZ(i))) point.height_m = line.getZ(i);
-    if (std::isfinite(point.x) && std::isfinite(point.y) && to_wgs84 && !to_wgs84->Transform(1, &point.x, &point.y)) {
+  for (int i = 0; i < gdal().OGR_G_GetPointCount(line); ++i) {
+    TrackPoint point{gdal().OGR_G_GetX(line, i), gdal().OGR_G_GetY(line, i)};
+    const double height = has_height ? gdal().OGR_G_GetZ(line, i) : NAN;
+    if (std::isfinite(height)) point.height_m = height;
+    if (std::isfinite(point.x) && std::isfinite(point.y) && to_wgs84 &&
+        !gdal().OCTTransform(to_wgs84, 1, &point.x, &point.y, nullptr)) {
       return Error{ErrorCode::kData, "point " + std::to_string(i + 1) + " cannot be changed to latitude and longitude",
                    path_, 0, track.element};
     }
@@ -101,72 +184,74 @@ Status Reader::read_line(const OGRLineString& line, const Track& like, OGRCoordi
   return Done{};
 }
 
-Status Reader::read_feature(const OGRFeature& feature, OGRCoordinateTransformation* to_wgs84, bool geodetic) {
-  const OGRGeometry* geometry = feature.GetGeometryRef();
-  if (!geometry || geometry->IsEmpty()) return Done{};
+Status Reader::read_feature(OGRFeatureH feature, OGRCoordinateTransformationH to_wgs84, bool geodetic) {
+  const OGRGeometryH geometry = gdal().OGR_F_GetGeometryRef(feature);
+  if (!geometry || gdal().OGR_G_IsEmpty(geometry)) return Done{};
   Track track{path_, property(feature, "id"), property(feature, "name"), geodetic};
   if (track.element.empty()) track.element = track.name;
-  if (track.element.empty()) track.element = "feature " + std::to_string(feature.GetFID());
+  if (track.element.empty()) track.element = "feature " + std::to_string(gdal().OGR_F_GetFID(feature));
   if (track.name.empty()) track.name = track.element;
 
-  const std::unique_ptr<OGRGeometry> linear(geometry->getLinearGeometry());
-  const OGRwkbGeometryType type = wkbFlatten(linear->getGeometryType());
-  if (type == wkbLineString) return read_line(*linear->toLineString(), track, to_wgs84);
+  const Owned<OGRGeometryH> linear(gdal().OGR_G_GetLinearGeometry(geometry, 0, nullptr), gdal().OGR_G_DestroyGeometry);
+  const OGRwkbGeometryType type = gdal().OGR_GT_Flatten(gdal().OGR_G_GetGeometryType(linear.get()));
+  if (type == wkbLineString) return read_line(linear.get(), track, to_wgs84);
   if (type != wkbMultiLineString) {
     ++not_lines_;
     return Done{};
   }
   const Track whole = track;
-  int part = 0;
-  for (const OGRLineString* line : *linear->toMultiLineString()) {
-    const std::string suffix = " part " + std::to_string(++part);
+  for (int i = 0; i < gdal().OGR_G_GetGeometryCount(linear.get()); ++i) {
+    const std::string suffix = " part " + std::to_string(i + 1);
     track.element = whole.element + suffix;
     track.name = whole.name + suffix;
-    if (Status status = read_line(*line, track, to_wgs84); !status) return status;
+    const OGRGeometryH line = gdal().OGR_G_GetGeometryRef(linear.get(), i);
+    if (Status status = read_line(line, track, to_wgs84); !status) return status;
   }
   return Done{};
 }
 
-Status Reader::read_layer(OGRLayer& layer) {
-  OGRSpatialReference wgs84;
-  wgs84.SetWellKnownGeogCS("WGS84");
-  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  Transformation to_wgs84;
-  const OGRSpatialReference* system = layer.GetSpatialRef();
-  if (!system) {
+Status Reader::read_layer(OGRLayerH layer) {
+  using System = Owned<OGRSpatialReferenceH>;
+  const System wgs84(gdal().OSRNewSpatialReference(nullptr), gdal().OSRDestroySpatialReference);
+  gdal().OSRSetWellKnownGeogCS(wgs84.get(), "WGS84");
+  gdal().OSRSetAxisMappingStrategy(wgs84.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  const OGRSpatialReferenceH system = gdal().OGR_L_GetSpatialRef(layer);
+  const System source(system ? gdal().OSRClone(system) : nullptr, gdal().OSRDestroySpatialReference);
+  bool to_be_changed = false;
+  if (!source) {
     diagnostics_.push_back({Severity::kWarning, "no coordinate system: coordinates are taken as metres east and north",
-                            path_, 0, layer.GetName()});
+                            path_, 0, gdal().OGR_L_GetName(layer)});
   } else {
-    OGRSpatialReference source(*system);
-    source.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    if (!source.IsSame(&wgs84)) {
-      to_wgs84.reset(OGRCreateCoordinateTransformation(&source, &wgs84));
-      if (!to_wgs84) {
-        return Error{ErrorCode::kData, "its coordinate system cannot be changed to WGS84: " + messages_.failure, path_};
-      }
-    }
+    gdal().OSRSetAxisMappingStrategy(source.get(), OAMS_TRADITIONAL_GIS_ORDER);
+    to_be_changed = !gdal().OSRIsSame(source.get(), wgs84.get());
   }
-  layer.ResetReading();
-  while (const std::unique_ptr<OGRFeature, DestroyFeature> feature{layer.GetNextFeature()}) {
-    if (Status status = read_feature(*feature, to_wgs84.get(), system != nullptr); !status) return status;
+  const Owned<OGRCoordinateTransformationH> to_wgs84(
+      to_be_changed ? gdal().OCTNewCoordinateTransformation(source.get(), wgs84.get()) : nullptr,
+      gdal().OCTDestroyCoordinateTransformation);
+  if (to_be_changed && !to_wgs84) {
+    return Error{ErrorCode::kData, "its coordinate system cannot be changed to WGS84: " + messages_.failure, path_};
   }
-  return Done{};
+  gdal().OGR_L_ResetReading(layer);
+  for (;;) {
+    const Owned<OGRFeatureH> feature(gdal().OGR_L_GetNextFeature(layer), gdal().OGR_F_Destroy);
+    if (!feature) return Done{};
+    if (Status status = read_feature(feature.get(), to_wgs84.get(), bool{source}); !status) return status;
+  }
 }
 
 Result<std::vector<Track>> Reader::read() {
-  static std::once_flag registered;
-  std::call_once(registered, GDALAllRegister);
   const char* const drivers[] = {"GeoJSON", "LIBKML", "KML", "ESRI Shapefile", "GPKG", nullptr};
-  const Dataset dataset(static_cast<GDALDataset*>(
-      GDALOpenEx(path_.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, nullptr, nullptr)));
+  const auto close = [](GDALDatasetH dataset) { (void)gdal().GDALClose(dataset); };
+  const Owned<GDALDatasetH> dataset(
+      gdal().GDALOpenEx(path_.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, nullptr, nullptr), close);
   const auto unreadable = [&] {
     const std::string why = messages_.failure.empty() ? "it is not of the kind that its name says" : messages_.failure;
     return Error{ErrorCode::kParse, "cannot be read (truncated?): " + why, path_};
   };
   if (!dataset) return unreadable();
 
-  for (int i = 0; i < dataset->GetLayerCount(); ++i) {
-    if (Status status = read_layer(*dataset->GetLayer(i)); !status) return status.error();
+  for (int i = 0; i < gdal().GDALDatasetGetLayerCount(dataset.get()); ++i) {
+    if (Status status = read_layer(gdal().GDALDatasetGetLayer(dataset.get(), i)); !status) return status.error();
     if (!messages_.failure.empty()) return unreadable();
   }
   for (const std::string& warning : messages_.warnings) diagnostics_.push_back({Severity::kWarning, warning, path_});
@@ -187,6 +272,9 @@ Result<std::vector<Track>> read_vector(const std::string& path, Diagnostics& dia
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".shp" && ending != ".gpkg") {
     if (Status status = check_utf8(*bytes, path); !status) return status.error();
+  }
+  if (!gdal().failure.empty()) {
+    return Error{ErrorCode::kIo, "cannot be read without the library GDAL: " + gdal().failure, path};
   }
   return Reader(path, diagnostics).read();
 }

@@ -28,6 +28,9 @@ std::string proj_value(std::string_view proj, std::string_view key) {
   return std::string(rest.substr(0, rest.find_first_of(" \t\r\n")));
 }
 
+// A connecting road that follows from its junction's area.
+bool is_derived(pugi::xml_node road) { return !user_data(road, "roadgen:derived").empty(); }
+
 // Reads one document. The first error stops everything: each step returns early once the source has failed.
 class Reader {
  public:
@@ -53,6 +56,7 @@ class Reader {
   Network network_;
   std::vector<bool> exact_ends_;  // of the roads: the file says which ends are joined
   std::vector<XodrJunction> junctions_;
+  std::set<std::string> derived_;  // ids of roads that are left out, since they follow from areas
 };
 
 void Reader::read_header(pugi::xml_node header) {
@@ -86,7 +90,6 @@ void Reader::note_unkept(pugi::xml_node node) {
   for (const char* name : {"type", "surface", "railroad"}) {
     if (node.child(name)) source_.note(node.child(name), std::string("<") + name + "> of roads is not kept");
   }
-  if (!std::strcmp(node.attribute("rule").value(), "LHT")) source_.note(node, "left-hand traffic is not kept");
 }
 
 // Puts the sections, which are in the file's s, on the road's own.
@@ -140,6 +143,7 @@ void Reader::read_road(pugi::xml_node node) {
   road.id = source_.word(node, "id");
   source_.set_element("road " + road.id);
   road.name = node.attribute("name").value();
+  road.keep_left = !std::strcmp(node.attribute("rule").value(), "LHT");
   note_unkept(node);
   read_links(source_, node, road);
   exact_ends_.push_back(read_joined(source_, node, road));
@@ -185,6 +189,10 @@ void Reader::read_road(pugi::xml_node node) {
 
 // Links and junctions, once all roads are there.
 void Reader::connect() {
+  for (XodrJunction& junction : junctions_) {
+    if (!junction.area) continue;
+    std::erase_if(junction.links.connections, [&](const Connection& c) { return derived_.contains(c.connecting); });
+  }
   // Our own file's areas without ways through them are areas alone.
   for (const XodrJunction& junction : junctions_) {
     const bool lone = junction.area && junction.links.connections.empty() && junction.links.name.empty();
@@ -217,7 +225,9 @@ Result<Network> Reader::read(Diagnostics* diagnostics) {
     if (failed()) return source_.error();
     source_.set_element("");
     const std::string name = node.name();
-    if (name == "road") {
+    if (name == "road" && is_derived(node)) {
+      derived_.insert(node.attribute("id").value());
+    } else if (name == "road") {
       read_road(node);
       if (!failed() && !ids.insert(network_.roads.back().id).second) {
         source_.fail(ErrorCode::kParse, node, "the id is used twice");

@@ -14,7 +14,7 @@
 // * Junctions, as nodes of the road graph and as areas: where the connecting roads of a crossing make one carriageway
 //   with its arms, the area is laid between the ends of the arms (add_crossing) and takes their place in pictures and
 //   queries (roads_in_areas); elsewhere a note says why the connecting roads stay (xodr_areas.h).
-// What is not kept (other objects, speeds, left-hand traffic, ...) is told once per kind, and so is what no real road
+// What is not kept (other objects, speeds, ...) is told once per kind, and so is what no real road
 // has, see odd_values, and links that do not agree.
 #pragma once
 

@@ -26,7 +26,8 @@ Result<std::vector<Track>> read_tracks(const std::string& path, Diagnostics& dia
     return Error{ErrorCode::kIo, "is a folder; name a file in it", path};
   }
   return Error{ErrorCode::kParse,
-               "is of an unknown kind: the name must end in .csv, .txt, .geojson, .json, .gpx, .kml, .shp or .gpkg",
+               "is of an unknown kind: the name must end in .csv, .txt, .geojson, .json, .gpx, .kml, .shp, .gpkg, .osm, "
+               ".osm.gz, .osm.bz2 or .osm.pbf",
                path};
 }
 

@@ -18,11 +18,6 @@ constexpr double kMostStep_m = 0.3;
 constexpr double kMostFree = 0.5;  // part of the area: shoulders and medians that no way leads over
 constexpr double kWidest_m = 500;  // area, and carriageway of a connecting road
 constexpr double kProbe_m = 0.5;   // distance of the places looked at
-// Corners as wide as the arms allow: connecting roads begin to turn at the cuts.
-constexpr double kWidestCorner_m = 1e3;
-
-using RoadsById = std::map<std::string, std::size_t>;
-
 const Road* find(const Network& network, const RoadsById& ids, const std::string& id) {
   const auto at = ids.find(id);
   return at == ids.end() ? nullptr : &network.roads[at->second];
@@ -111,6 +106,7 @@ Agreement agreement(const JunctionSurface& surface, const Network& network, cons
   };
   // Closer than the cells are wide, so that none of those that a road covers is missed.
   constexpr double kStep_m = 0.5 * kProbe_m;
+  constexpr int kSparse = 4;
   for (const std::size_t way : ways) {
     const Road& road = network.roads[way];
     for (const Segment& segment : road.segments) {
@@ -126,8 +122,12 @@ Agreement agreement(const JunctionSurface& surface, const Network& network, cons
           const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
           const glm::dvec2 p = middle + n * left;
           cover(p);
+          // Every fourth place, and the edges all along: surfaces and outlines are smooth.
+          const bool is_edge = j == 0 || j == across;
+          if (!is_edge && (i % kSparse != 0 || j % kSparse != 0)) continue;
           const double inside = signed_distance_m(surface, p);
           found.outside_m = std::max(found.outside_m, -inside);
+          if (i % kSparse != 0) continue;
           const double step = surface_at(segment, local, n).height - height_at(surface, p).height_m;
           if (inside >= 0) found.step_m = std::max(found.step_m, std::abs(step));
         }
@@ -135,8 +135,8 @@ Agreement agreement(const JunctionSurface& surface, const Network& network, cons
     }
   }
   std::size_t inside = 0, free = 0;
-  for (int y = 0; y < rows; ++y) {
-    for (int x = 0; x < columns; ++x) {
+  for (int y = 0; y < rows; y += 2) {
+    for (int x = 0; x < columns; x += 2) {
       if (signed_distance_m(surface, low + kProbe_m * glm::dvec2(x + 0.5, y + 0.5)) < kProbe_m) continue;
       ++inside;
       free += covered[static_cast<std::size_t>(y) * columns + x] ? 0 : 1;
@@ -146,13 +146,16 @@ Agreement agreement(const JunctionSurface& surface, const Network& network, cons
   return found;
 }
 
-// Why the junction keeps its roads; empty where it got an area.
-std::string roads_kept_why(Network& network, const RoadsById& ids, const std::string& id, const Meeting& meeting) {
+// Corners as wide as the arms allow: connecting roads begin to turn at the cuts.
+constexpr JunctionOptions kWidestCorners{.corner_radius_m = 1e3};
+
+// Why the junction keeps its roads; empty where it can have an area.
+std::string roads_kept_why(const Network& network, const RoadsById& ids, const std::string& id,
+                           const Meeting& meeting) {
   if (meeting.ways.empty()) return "it has no connecting roads";
   std::vector<JunctionArm> arms;
   for (const RoadEnd& end : meeting.ends) arms.push_back(arm_of(*find(network, ids, end.road), end.at_end));
-  const JunctionOptions options{.corner_radius_m = kWidestCorner_m};
-  const Result<Junction> area = make_junction(id, std::move(arms), options);
+  const Result<Junction> area = make_junction(id, std::move(arms), kWidestCorners);
   if (!area) return plain_message(id, area.error());
   const JunctionSurface surface = junction_surface(*area);
   const glm::dvec3 size = surface.high_m - surface.low_m;
@@ -166,17 +169,20 @@ std::string roads_kept_why(Network& network, const RoadsById& ids, const std::st
   const Agreement a = agreement(surface, network, meeting.ways);
   if (a.step_m > kMostStep_m) return "its roads lie at different heights";
   if (a.outside_m > kMostOutside_m) return "its roads reach beyond the area between the ends";
-  if (a.free > kMostFree) return "its roads leave much of the area free";
-  const Status added = add_crossing(network, id, meeting.ends, options);
-  return added ? "" : plain_message(id, added.error());
+  return a.free > kMostFree ? "its roads leave much of the area free" : "";
 }
 
 }  // namespace
 
 void add_areas(XodrSource& source, const std::vector<XodrJunction>& junctions, Network& network) {
-  RoadsById ids;
-  for (std::size_t i = 0; i < network.roads.size(); ++i) ids.emplace(network.roads[i].id, i);
+  const RoadsById ids = roads_by_id(network);
   const Meetings all = meetings(network, ids);
+  std::vector<CrossingPlan> plans;
+  std::vector<const XodrJunction*> planned;
+  const auto keep_roads = [&](const XodrJunction& junction, const std::string& why) {
+    source.set_element("junction " + junction.links.id);
+    source.note(junction.line, "a junction keeps its roads: " + why);
+  };
   for (const XodrJunction& junction : junctions) {
     source.set_element("junction " + junction.links.id);
     if (junction.area) add_own_area(source, junction, ids, network);
@@ -189,11 +195,22 @@ void add_areas(XodrSource& source, const std::vector<XodrJunction>& junctions, N
     const std::string why =
         meeting == all.end() ? "no roads meet in it" : roads_kept_why(network, ids, junction.links.id, meeting->second);
     if (!why.empty()) {
-      source.note(junction.line, "a junction keeps its roads: " + why);
+      keep_roads(junction, why);
+      continue;
+    }
+    plans.push_back({junction.links.id, meeting->second.ends, kWidestCorners});
+    planned.push_back(&junction);
+  }
+  const std::vector<Status> added = add_crossings(network, plans);
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    const XodrJunction& junction = *planned[i];
+    if (!added[i]) {
+      keep_roads(junction, plain_message(junction.links.id, added[i].error()));
       continue;
     }
     const auto painted = [&](std::size_t way) { return !network.roads[way].paint.empty(); };
-    if (std::any_of(meeting->second.ways.begin(), meeting->second.ways.end(), painted)) {
+    if (const auto& ways = all.at(junction.links.id).ways; std::any_of(ways.begin(), ways.end(), painted)) {
+      source.set_element("junction " + junction.links.id);
       source.note(junction.line, "paint of roads that lie in a junction's area is not drawn");
     }
   }

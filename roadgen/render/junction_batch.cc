@@ -29,12 +29,11 @@ gl::Buffer buffer(const std::vector<T>& data) {
 
 // Where the road's own coordinates stand at its cut: s modulo the noise's period, the direction in which s and t run
 // as seen into the junction, the road's index. A road that the network lacks counts as the first.
-glm::vec4 road_row(const Network& network, const JunctionArm& arm) {
-  for (std::size_t i = 0; i < network.roads.size(); ++i) {
-    if (network.roads[i].id != arm.road) continue;
-    return glm::dvec4(arm.at_end ? phase(network.roads[i].length_m()) : 0.0, arm.at_end ? 1 : -1, i, 0);
-  }
-  return {0, 1, 0, 0};
+glm::vec4 road_row(const Network& network, const RoadsById& roads, const JunctionArm& arm) {
+  const auto found = roads.find(arm.road);
+  if (found == roads.end()) return {0, 1, 0, 0};
+  const double end = phase(network.roads[found->second].length_m());
+  return glm::dvec4(arm.at_end ? end : 0.0, arm.at_end ? 1 : -1, found->second, 0);
 }
 
 }  // namespace
@@ -42,6 +41,7 @@ glm::vec4 road_row(const Network& network, const JunctionArm& arm) {
 void JunctionBatch::upload(const Network& network) {
   count_ = static_cast<GLsizei>(network.junctions.size());
   if (network.junctions.empty()) return;
+  const RoadsById roads = roads_by_id(network);
   std::vector<Header> headers;
   std::vector<glm::vec4> cuts, corners;
   for (const Junction& junction : network.junctions) {
@@ -62,7 +62,7 @@ void JunctionBatch::upload(const Network& network) {
       cuts.emplace_back(c.x0, c.y0, c.x1, c.y1);
       cuts.emplace_back(c.left, c.right, c.z, c.grade);
       cuts.emplace_back(c.tilt, c.fall_left, c.fall_right, 0);
-      cuts.push_back(road_row(network, junction.arms[i]));
+      cuts.push_back(road_row(network, roads, junction.arms[i]));
     }
     for (const Lib::JunctionCorner& c : surface.corners) {
       corners.emplace_back(c.x0, c.y0, c.y1, c.chord);

@@ -111,7 +111,8 @@ std::vector<Lane> joined(const std::vector<Lane>& from, const std::vector<Lane>&
 std::vector<Segment> fine_pieces(const std::vector<Segment>& corner, double width_m) {
   std::vector<Segment> pieces;
   for (const Segment& whole : corner) {
-    const double turn = std::abs(std::remainder(heading_rad(whole, 1) - heading_rad(whole, 0), 2 * std::numbers::pi));
+    // To both sides, where it is bent like an S.
+    const double turn = std::abs(std::atan(whole.slope_start)) + std::abs(std::atan(whole.slope_end));
     const int count = std::max(1, static_cast<int>(std::ceil(turn / kGreatestTurn_rad)));
     for (int i = 0; i < count; ++i) {
       const double u0 = static_cast<double>(i) / count, u1 = static_cast<double>(i + 1) / count;
@@ -196,11 +197,6 @@ void move_to_middle(JunctionArm& arm) {
   arm.left_m -= n, arm.right_m -= n;
 }
 
-Road* find(Network& network, const std::string& id) {
-  const auto at = std::find_if(network.roads.begin(), network.roads.end(), [&](const Road& r) { return r.id == id; });
-  return at == network.roads.end() ? nullptr : &*at;
-}
-
 }  // namespace
 
 std::vector<bool> corner_roads(const Network& network) {
@@ -243,42 +239,93 @@ JunctionArm arm_of(const Road& road, bool at_end) {
   return arm;
 }
 
-Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends, const JunctionOptions& options,
-                    Diagnostics* diagnostics) {
+Result<Crossing> make_crossing(const std::string& id, std::span<const EndOfRoad> ends, const JunctionOptions& options,
+                               Diagnostics* diagnostics) {
   std::vector<JunctionArm> arms;
-  for (const RoadEnd& end : ends) {
-    const Road* road = find(network, end.road);
-    if (!road || road->segments.empty() || road->closed) {
-      return Error{ErrorCode::kGeometry,
-                   "road " + end.road + (road ? " has no end to join" : " does not exist"),
-                   {},
-                   0,
-                   "junction " + id};
-    }
-    arms.push_back(arm_of(*road, end.at_end));
-  }
+  for (const EndOfRoad& end : ends) arms.push_back(arm_of(*end.road, end.at_end));
   Result<Junction> junction = make_junction(id, std::move(arms), options, diagnostics);
   if (!junction) return junction.error();
+  const auto strips_of = [&](const JunctionArm& arm, bool on_left) {
+    const auto end = std::find_if(ends.begin(), ends.end(),
+                                  [&](const EndOfRoad& e) { return e.road->id == arm.road && e.at_end == arm.at_end; });
+    return strips(*end->road, end->at_end, on_left);
+  };
   std::vector<Road> corners;
+  std::vector<std::size_t> bare;
   for (std::size_t i = 0; i < junction->arms.size(); ++i) {
     const JunctionArm &from = junction->arms[i], &to = junction->arms[(i + 1) % junction->arms.size()];
-    const std::vector<Lane> beside_from = strips(*find(network, from.road), from.at_end, false);
-    const std::vector<Lane> beside_to = strips(*find(network, to.road), to.at_end, true);
+    const std::vector<Lane> beside_from = strips_of(from, false), beside_to = strips_of(to, true);
     if (beside_from.empty() && beside_to.empty()) continue;
     Result<Road> road =
         corner_road(id + kCorner + std::to_string(i), junction->corners[i], from, to, beside_from, beside_to);
     if (!road) return road.error();
+    const auto certified = [](const Segment& segment) { return is_admissible(segment); };
+    if (!std::all_of(road->segments.begin(), road->segments.end(), certified)) {
+      bare.push_back(i);
+      continue;
+    }
+    road->keep_left = ends.front().road->keep_left;
     corners.push_back(std::move(*road));
   }
   if (!corners.empty()) junction->underlap_m = kUnderlap_m;
-  for (const RoadEnd& end : ends) {
-    Road& road = *find(network, end.road);
-    (end.at_end ? road.joined_end : road.joined_start) = true;
-    (end.at_end ? road.successor : road.predecessor) = {.to = RoadLink::To::kJunction, .id = id};
+  for (const std::size_t i : bare) {
+    if (!diagnostics) break;
+    const JunctionArm &from = junction->arms[i], &to = junction->arms[(i + 1) % junction->arms.size()];
+    diagnostics->push_back(
+        {Severity::kWarning,
+         "nothing lies along the corner from road " + from.road + " to road " + to.road + ": it is too tight",
+         {},
+         0,
+         "junction " + id});
   }
-  network.junctions.push_back(std::move(*junction));
+  return Crossing{std::move(*junction), std::move(corners), std::move(bare)};
+}
+
+std::vector<Status> add_crossings(Network& network, std::span<const CrossingPlan> plans, Diagnostics* diagnostics) {
+  const RoadsById roads = roads_by_id(network);
+  std::set<std::string> corner_ids;
+  std::vector<Road> corners;
+  const auto add = [&](const CrossingPlan& plan) -> Status {
+    const auto error = [&](std::string what) {
+      return Error{ErrorCode::kGeometry, std::move(what), {}, 0, "junction " + plan.id};
+    };
+    std::vector<EndOfRoad> ends;
+    for (const RoadEnd& end : plan.ends) {
+      const auto found = roads.find(end.road);
+      if (found == roads.end()) return error("road " + end.road + " does not exist");
+      const Road& road = network.roads[found->second];
+      if (road.segments.empty() || road.closed) return error("road " + end.road + " has no end to join");
+      ends.push_back({&road, end.at_end});
+    }
+    Result<Crossing> crossing = make_crossing(plan.id, ends, plan.options, diagnostics);
+    if (!crossing) return crossing.error();
+    for (const Road& corner : crossing->corners) {
+      if (roads.contains(corner.id) || corner_ids.contains(corner.id)) {
+        return error("road " + corner.id + ", which is to lie along its corner, is there already");
+      }
+    }
+    for (const RoadEnd& end : plan.ends) {
+      Road& road = network.roads[roads.at(end.road)];
+      (end.at_end ? road.joined_end : road.joined_start) = true;
+      (end.at_end ? road.successor : road.predecessor) = {.to = RoadLink::To::kJunction, .id = plan.id};
+    }
+    network.junctions.push_back(std::move(crossing->junction));
+    for (Road& corner : crossing->corners) {
+      corner_ids.insert(corner.id);
+      corners.push_back(std::move(corner));
+    }
+    return Done{};
+  };
+  std::vector<Status> statuses;
+  for (const CrossingPlan& plan : plans) statuses.push_back(add(plan));
   std::move(corners.begin(), corners.end(), std::back_inserter(network.roads));
-  return Done{};
+  return statuses;
+}
+
+Status add_crossing(Network& network, std::string id, const std::vector<RoadEnd>& ends, const JunctionOptions& options,
+                    Diagnostics* diagnostics) {
+  const CrossingPlan plan{std::move(id), ends, options};
+  return add_crossings(network, std::span(&plan, 1), diagnostics).front();
 }
 
 }  // namespace roadgen

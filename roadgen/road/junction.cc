@@ -15,9 +15,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kGreatestTurn_rad = kPi / 6;  // of one piece
-constexpr double kBend_rad = kPi / 6;          // a corner that turns by more has a circular arc between straights
-constexpr double kLeastStraight_m = 0.05;      // shorter ones become part of the arc
-constexpr double kMappedBand_m = 0.5;          // half width of the pieces as segments: what is certified
+constexpr double kTurnOver = 0.03;         // part of it that an arc may turn more than its pieces: near right angles
+constexpr double kBend_rad = kPi / 6;      // a corner that turns by more has a circular arc between straights
+constexpr double kLeastStraight_m = 0.05;  // shorter ones become part of the arc
+constexpr double kNoStraight_m = 1e-3;     // still shorter ones are none: the arc's last cubic takes them up
+constexpr double kMappedBand_m = 0.5;      // half width of the pieces as segments: what is certified
 
 double wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * kPi); }
 glm::dvec2 direction(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
@@ -62,7 +64,7 @@ double chord_angle(const Node& node, glm::dvec2 q) {
 void append_arc(std::vector<Node>& nodes, glm::dvec2 end) {
   const Node start = nodes.back();
   const double half_turn = chord_angle(start, end), length = glm::length(end - start.p);
-  const int pieces = std::max(1, static_cast<int>(std::ceil(2 * std::abs(half_turn) / kGreatestTurn_rad - 1e-9)));
+  const int pieces = std::max(1, static_cast<int>(std::ceil(2 * std::abs(half_turn) / kGreatestTurn_rad - kTurnOver)));
   const double turn = 2 * half_turn / pieces;
   const double chord = pieces == 1 ? length : length * std::sin(turn / 2) / std::sin(half_turn);
   for (int i = 1; i < pieces; ++i) {
@@ -133,7 +135,7 @@ std::optional<Curve> bend_curve(const CornerEnds& ends, double radius_m) {
   }
   const bool straight_on = behind - tangent > kLeastStraight_m;
   const Node arrival = straight_on ? Node{ends.to.p - (behind - tangent) * q, ends.to.heading_rad} : ends.to;
-  const auto is_whole = [&](double straight) { return straight > kLeastStraight_m || straight == 0; };
+  const auto is_whole = [](double straight) { return straight > kLeastStraight_m || straight < kNoStraight_m; };
   if (is_whole(ahead - tangent) && is_whole(behind - tangent)) {
     append_arc(curve.nodes, arrival.p);
     curve.nodes.back() = arrival;
@@ -186,6 +188,7 @@ CornerProfile corner_profile(const JunctionArm& arm, const JunctionArm& next, gl
 
 std::vector<Segment> corner_segments(const JunctionArm& arm, const JunctionArm& next, const std::vector<Node>& nodes) {
   std::vector<Segment> segments;
+  segments.reserve(nodes.size() - 1);
   double length = 0;
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
     const double band = std::min(kMappedBand_m, 0.2 * glm::length(nodes[i + 1].p - nodes[i].p));
@@ -283,21 +286,38 @@ Outline outline(const Junction& junction) {
 
 // What is wrong with the boundary as a whole.
 std::string outline_fault(const Junction& junction) {
-  const Outline o = outline(junction);
+  Outline o = outline(junction);
   const std::size_t n = o.points.size();
-  const auto point = [&](std::size_t k) { return o.points[k % n]; };
+  o.points.push_back(o.points.front());
+  const std::vector<glm::dvec2>& point = o.points;
+  // An edge is tested against the edges of those runs of them whose box it touches.
+  constexpr std::size_t kRun = 8;
+  struct Box {
+    glm::dvec2 low{1e300, 1e300}, high{-1e300, -1e300};
+  };
+  std::vector<Box> boxes((n + kRun - 1) / kRun);
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i + 2; j < n; ++j) {
-      if (i == 0 && j == n - 1) continue;  // neighbours
-      if (!meet(point(i), point(i + 1), point(j), point(j + 1))) continue;
-      const JunctionArm &a = junction.arms[o.owner[i]], &b = junction.arms[o.owner[j]];
-      return explained(junction.arms, "the area's edges cross at " + name_of(a) +
-                                          (&a == &b ? "" : " and " + name_of(b)) +
-                                          ": move the ends apart or turn them toward one another");
+    Box& box = boxes[i / kRun];
+    box.low = glm::min(box.low, glm::min(point[i], point[i + 1]));
+    box.high = glm::max(box.high, glm::max(point[i], point[i + 1]));
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::dvec2 low = glm::min(point[i], point[i + 1]), high = glm::max(point[i], point[i + 1]);
+    for (std::size_t run = (i + 2) / kRun; run < boxes.size(); ++run) {
+      const Box& box = boxes[run];
+      if (low.x > box.high.x || low.y > box.high.y || high.x < box.low.x || high.y < box.low.y) continue;
+      for (std::size_t j = std::max(i + 2, run * kRun); j < std::min(n, (run + 1) * kRun); ++j) {
+        if (i == 0 && j == n - 1) continue;  // neighbours
+        if (!meet(point[i], point[i + 1], point[j], point[j + 1])) continue;
+        const JunctionArm &a = junction.arms[o.owner[i]], &b = junction.arms[o.owner[j]];
+        return explained(junction.arms, "the area's edges cross at " + name_of(a) +
+                                            (&a == &b ? "" : " and " + name_of(b)) +
+                                            ": move the ends apart or turn them toward one another");
+      }
     }
   }
   double area = 0;
-  for (std::size_t i = 0; i < n; ++i) area += 0.5 * cross(point(i) - point(0), point(i + 1) - point(0));
+  for (std::size_t i = 0; i < n; ++i) area += 0.5 * cross(point[i] - point[0], point[i + 1] - point[0]);
   if (area > 0) return {};
   return explained(junction.arms, "the area of " + name_of(junction.arms[0]) + " and " + name_of(junction.arms[1]) +
                                       " runs clockwise: turn them toward one another");

@@ -61,7 +61,7 @@ struct JunctionOptions {
 inline constexpr double kLeastCornerRadius_m = 0.25;
 
 // Sorts the arms and lays the corner curves: a straight, at most two circular arcs, a straight; arcs are cut into cubics
-// that turn by at most 30 degrees each (within 7e-4 of the radius of the circle). The curves are G1 at every joint and
+// that turn by at most 31 degrees each (within 8e-4 of the radius of the circle). The curves are G1 at every joint and
 // leave the arms along their edges. Heights are cubics in s that start and end with the arms' heights and grades.
 // Diagnostics (where wanted): a right-hand corner whose radius does not fit between the cuts gets the greatest that does.
 // Errors: kGeometry, naming the junction and the roads: fewer than two arms, numbers that are not finite, edges on the

@@ -1,6 +1,5 @@
 #include "roadgen/road/link.h"
 
-#include <map>
 #include <set>
 
 #include <glm/geometric.hpp>
@@ -9,14 +8,6 @@
 
 namespace roadgen {
 namespace {
-
-using Roads = std::map<std::string_view, std::size_t>;
-
-Roads roads_by_id(const Network& network) {
-  Roads roads;
-  for (std::size_t i = 0; i < network.roads.size(); ++i) roads.emplace(network.roads[i].id, i);
-  return roads;
-}
 
 const RoadLink& link_of(const Road& road, bool at_end) { return at_end ? road.successor : road.predecessor; }
 
@@ -36,7 +27,7 @@ glm::dvec3 end_m(const Road& road, bool at_end) {
 }
 
 // Why a link of a road's end is wrong; empty where it is not.
-std::string link_fault(const Network& network, const Roads& roads, const std::set<std::string_view>& junctions,
+std::string link_fault(const Network& network, const RoadsById& roads, const std::set<std::string_view>& junctions,
                        const Road& road, bool at_end) {
   const RoadLink& link = link_of(road, at_end);
   if (link.to == RoadLink::To::kJunction) return junctions.contains(link.id) ? "" : "which does not exist";
@@ -53,7 +44,7 @@ std::string link_fault(const Network& network, const Roads& roads, const std::se
 }  // namespace
 
 std::vector<std::string> link_problems(const Network& network) {
-  const Roads roads = roads_by_id(network);
+  const RoadsById roads = roads_by_id(network);
   std::set<std::string_view> junctions;
   for (const Junction& junction : network.junctions) junctions.insert(junction.id);
   for (const JunctionLinks& junction : network.junction_links) junctions.insert(junction.id);
@@ -94,7 +85,7 @@ std::vector<bool> roads_in_areas(const Network& network) {
 }
 
 void join_linked_ends(Network& network, const std::vector<bool>& skip) {
-  const Roads roads = roads_by_id(network);
+  const RoadsById roads = roads_by_id(network);
   for (std::size_t i = 0; i < network.roads.size(); ++i) {
     Road& road = network.roads[i];
     if (skip[i] || road.segments.empty()) continue;

@@ -27,6 +27,13 @@ const Road* Network::find_road(const std::string& id) const {
   return nullptr;
 }
 
+RoadsById roads_by_id(const Network& network) {
+  RoadsById roads;
+  roads.reserve(network.roads.size());
+  for (std::size_t i = 0; i < network.roads.size(); ++i) roads.emplace(network.roads[i].id, i);
+  return roads;
+}
+
 std::size_t Network::segment_count() const {
   std::size_t count = 0;
   for (const Road& road : roads) count += road.segments.size();

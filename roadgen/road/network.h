@@ -3,6 +3,8 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -31,6 +33,8 @@ struct Georeference {
 struct Road {
   std::string id;  // unique in the network
   std::string name;
+  std::string road_class;         // as the source calls it: highway=* of OSM; empty where it does not say
+  bool keep_left = false;         // traffic keeps left: lanes of positive id lead along the road, "LHT" of OpenDRIVE
   bool closed = false;            // the last segment ends at the first one's start
   bool joined_start = false;      // what lies before the start, a junction or a road, joins it without an edge
   bool joined_end = false;        // and beyond the end
@@ -57,6 +61,10 @@ struct Network {
   const Road* find_road(const std::string& id) const;
   std::size_t segment_count() const;
 };
+
+// Index in Network::roads of every id; of one used twice the first. For as long as no road comes or goes. Cost: O(n).
+using RoadsById = std::unordered_map<std::string_view, std::size_t>;
+RoadsById roads_by_id(const Network& network);
 
 // A point of a road: (s, t) plus height above the surface, and the pose there.
 struct RoadPose {

@@ -9,7 +9,11 @@
 #include "roadgen/export/opendrive.h"
 #include "roadgen/import/csv.h"
 #include "roadgen/import/gpx.h"
+#include "roadgen/import/import.h"
 #include "roadgen/import/opendrive.h"
+#include "tests/common/osm_city.h"
+#include "tests/osm_text.h"
+#include "tests/temporary_folder.h"
 
 namespace roadgen {
 namespace {
@@ -207,6 +211,139 @@ TEST(Damage, TablesAndTracksGiveFinitePointsOrAnError) {
       }
     }
   }
+}
+
+TEST(Damage, OpenStreetMapGivesANetworkOrAnError) {
+  const test::TemporaryFolder folder;
+  std::mt19937 random(4);
+  for (const char* name : {"city.osm", "city.osm.gz", "city.osm.pbf"}) {
+    const std::string path = folder.path(name);
+    ASSERT_GT(test::write_osm_city(path, 12), 10u);
+    const std::string whole = test::text_of(path);
+    ASSERT_TRUE(import_files({path}, {}).ok());
+    int good = 0, bad = 0;
+    for (int i = 0; i < kRounds / 10; ++i) {
+      // Compressed files are hardly ever read at all.
+      folder.put(name, i % 2 == 0 && path.ends_with(".osm") ? with_odd_numbers(whole, random) : damaged(whole, random));
+      const Result<ImportResult> result = import_files({path}, {});
+      ++(result ? good : bad);
+      if (!result) {
+        EXPECT_EQ(result.error().file, path);
+        EXPECT_EQ(result.error().text().find('\n'), std::string::npos);
+        continue;
+      }
+      for (const Road& road : result->network.roads) ASSERT_TRUE(is_finite(road));
+      EXPECT_TRUE(check(result->network).ok()) << check(result->network).problems.front();
+    }
+    EXPECT_GT(bad, 0) << name;
+    std::printf("%s: %d read, %d errors\n", name, good, bad);
+  }
+}
+
+TEST(Damage, FilesOfOpenStreetMapThatAreCutShortAreErrors) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"city.osm", "city.osm.gz", "city.osm.pbf"}) {
+    const std::string path = folder.path(name);
+    ASSERT_GT(test::write_osm_city(path, 12), 10u);
+    const std::string whole = test::text_of(path);
+    for (std::size_t part = 0; part < 40; ++part) {
+      folder.put(name, whole.substr(0, whole.size() * part / 40));
+      const Result<ImportResult> result = import_files({path}, {});
+      EXPECT_FALSE(result.ok()) << name << " " << part;
+      if (result) continue;
+      EXPECT_EQ(result.error().file, path);
+      EXPECT_EQ(result.error().text().find('\n'), std::string::npos);
+    }
+  }
+}
+
+// Blocks of a PBF file: four bytes of length, most significant first, a header of that length, which names the length
+// of the blob that follows.
+TEST(Damage, BrokenBlocksOfPbfAreErrors) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.path("city.osm.pbf");
+  ASSERT_GT(test::write_osm_city(path, 12), 10u);
+  const std::string whole = test::text_of(path);
+  std::mt19937 random(5);
+  const auto expect_error = [&](const std::string& bytes, const char* what) {
+    folder.put("city.osm.pbf", bytes);
+    const Result<ImportResult> result = import_files({path}, {});
+    EXPECT_FALSE(result.ok()) << what;
+    if (!result) {
+      EXPECT_EQ(result.error().text().find('\n'), std::string::npos);
+    }
+  };
+  for (const unsigned char byte : {0x00, 0x01, 0x7F, 0xFF}) {
+    for (std::size_t at = 0; at < 4; ++at) {
+      std::string broken = whole;
+      if (static_cast<unsigned char>(broken[at]) == byte) continue;
+      broken[at] = static_cast<char>(byte);
+      expect_error(broken, "the first block's length");
+    }
+  }
+  for (int i = 0; i < 200; ++i) {
+    std::string broken = whole;
+    const std::size_t at = random() % whole.size(), count = std::min<std::size_t>(64, whole.size() - at);
+    for (std::size_t k = 0; k < count; ++k) broken[at + k] = static_cast<char>(random());
+    expect_error(broken, "a stretch of noise");
+    broken = whole;
+    broken.erase(at, count);
+    expect_error(broken, "a stretch left out");
+  }
+}
+
+// A well-formed town whose ways lack nodes, touch and repeat themselves, and have odd tags.
+test::OsmText odd_town(std::mt19937& random) {
+  const auto pick = [&](std::size_t count) { return static_cast<std::size_t>(random() % count); };
+  static const char* const kClass[] = {"motorway", "motorway_link", "primary", "residential", "service", "track"};
+  static const std::pair<const char*, const char*> kTags[] = {
+      {"bridge", "yes"},          {"tunnel", "yes"},    {"layer", "-2"}, {"layer", "1"},
+      {"oneway", "yes"},          {"oneway", "-1"},     {"lanes", "0"},  {"lanes", "7"},
+      {"lanes", "1e9"},           {"width", "0.1"},     {"width", "80"}, {"width", "nan"},
+      {"junction", "roundabout"}, {"sidewalk", "both"}, {"layer", "99"}, {"lanes:backward", "3"},
+      {"surface", "gravel"},      {"name", "A &lt; B"}};
+  constexpr long kNodes = 30;
+  test::OsmText town;
+  std::vector<glm::dvec2> places;
+  for (long id = 1; id <= kNodes; ++id) {
+    glm::dvec2 p(static_cast<double>(pick(400)), static_cast<double>(pick(400)));
+    if (!places.empty() && pick(5) == 0) p = places[pick(places.size())] + glm::dvec2(pick(2), 0);
+    places.push_back(p);
+    if (pick(10) > 0) town.node(id, p.x, p.y);
+  }
+  for (long id = 100; id < 112; ++id) {
+    std::vector<long> nodes;
+    for (std::size_t k = 2 + pick(8); k > 0; --k) {
+      nodes.push_back(pick(4) > 0 || nodes.empty() ? 1 + static_cast<long>(pick(kNodes)) : nodes[pick(nodes.size())]);
+    }
+    test::Tags tags = {{"highway", kClass[pick(std::size(kClass))]}};
+    for (std::size_t k = pick(4); k > 0; --k) tags.push_back(kTags[pick(std::size(kTags))]);
+    town.way(pick(15) == 0 ? 100 : id, nodes, tags);
+  }
+  return town;
+}
+
+TEST(Damage, OddTownsAreSoundNetworksThatComeBackFromTheirFiles) {
+  const test::TemporaryFolder folder;
+  std::mt19937 random(6);
+  std::size_t areas = 0;
+  for (int i = 0; i < 300; ++i) {
+    SCOPED_TRACE(i);
+    const std::string text = odd_town(random).text();
+    const Result<ImportResult> result = import_files({folder.put("town.osm", text)}, {});
+    ASSERT_TRUE(result.ok()) << result.error().text();
+    const Network& network = result->network;
+    areas += network.junctions.size();
+    for (const Road& road : network.roads) ASSERT_TRUE(is_finite(road));
+    EXPECT_TRUE(check(network).ok()) << check(network).problems.front() << text;
+    const Result<std::string> written = opendrive_text(network);
+    ASSERT_TRUE(written.ok()) << written.error().text() << text;
+    const Result<Network> again = parse_opendrive(*written, "g");
+    ASSERT_TRUE(again.ok()) << again.error().text() << text;
+    EXPECT_EQ(again->junctions.size(), network.junctions.size());
+    EXPECT_TRUE(*opendrive_text(*again) == *written) << text;
+  }
+  EXPECT_GT(areas, 300u);
 }
 
 }  // namespace
