@@ -542,6 +542,22 @@ double signed_distance_m(const JunctionSurface& surface, glm::dvec2 point_m) {
   return local_distance(surface, point_m - glm::dvec2(surface.center_m));
 }
 
+bool is_inside(const JunctionSurface& surface, glm::dvec2 point_m) {
+  const glm::dvec2 p = point_m - glm::dvec2(surface.center_m);
+  if (p.x < surface.low_m.x || p.y < surface.low_m.y || p.x > surface.high_m.x || p.y > surface.high_m.y) return false;
+  bool inside = false;
+  for (const Lib::JunctionCut& c : surface.cuts) {
+    const bool on_left = (p.y - c.y0) * (c.x1 - c.x0) - (p.x - c.x0) * (c.y1 - c.y0) > 0;
+    if (Lib::junction_crosses(p.y, c.y0, c.y1, on_left)) inside = !inside;
+  }
+  for (const Lib::JunctionCorner& c : surface.corners) {
+    const glm::dvec2 d(p.x - c.x0, p.y - c.y0);
+    const double px = (d.x * c.cx + d.y * c.cy) / c.chord, py = (d.y * c.cx - d.x * c.cy) / c.chord;
+    if (Lib::junction_corner_crosses(p.y, px, py, c)) inside = !inside;
+  }
+  return inside;
+}
+
 JunctionPoint height_at(const JunctionSurface& surface, glm::dvec2 point_m) {
   const auto h = local_height(surface, point_m - glm::dvec2(surface.center_m));
   return {surface.center_m.z + h.z, {h.zx, h.zy}};

@@ -98,6 +98,9 @@ JunctionSurface junction_surface(const Junction& junction);
 // also where the area is not convex; the distance is exact to first order at the boundary.
 double signed_distance_m(const JunctionSurface& surface, glm::dvec2 point_m);
 
+// Whether the area holds a point (ENU): the sign of signed_distance_m, at a fraction of its cost.
+bool is_inside(const JunctionSurface& surface, glm::dvec2 point_m);
+
 struct JunctionPoint {
   double height_m;      // ENU z of the surface
   glm::dvec2 gradient;  // dz/dx, dz/dy

@@ -174,6 +174,13 @@ FN bool junction_crosses(IN(float) y, IN(float) y0, IN(float) y1, IN(bool) on_le
   return (y0 > y) != (y1 > y) && (y1 > y0) == on_left;
 }
 
+// The same for a corner piece, (px, py) being the point in its chord frame: across the chord, or between it and its curve.
+FN bool junction_corner_crosses(IN(float) y, IN(float) px, IN(float) py, IN(JunctionCorner) c) {
+  bool on_left = py > 0.0;
+  bool between = px > 0.0 && px < 1.0 && on_left != (py > road_f(px, c.a, c.b));
+  return junction_crosses(y, c.y0, c.y1, on_left) != between;
+}
+
 FN JunctionSide junction_side_add_cut(IN(JunctionSide) side, IN(float) x, IN(float) y, IN(JunctionCut) c) {
   JunctionSide r = side;
   float width = c.left - c.right;
@@ -192,9 +199,7 @@ FN JunctionSide junction_side_add_corner(IN(JunctionSide) side, IN(float) x, IN(
   JunctionSide r = side;
   float px = ((x - c.x0) * c.cx + (y - c.y0) * c.cy) / c.chord;
   float py = ((y - c.y0) * c.cx - (x - c.x0) * c.cy) / c.chord;
-  bool on_left = py > 0.0;
-  if (junction_crosses(y, c.y0, c.y1, on_left)) r.inside = !r.inside;
-  if (px > 0.0 && px < 1.0 && on_left != (py > road_f(px, c.a, c.b))) r.inside = !r.inside;
+  if (junction_corner_crosses(y, px, py, c)) r.inside = !r.inside;
   // |f| <= 4/27 (|a| + |b|): is the piece farther than another?
   float least = max(abs(py) - 0.15 * (abs(c.a) + abs(c.b)), max(-px, px - 1.0));
   if (least * c.chord > r.corner) return r;

@@ -1,0 +1,102 @@
+#include "roadgen/query/box_tree.h"
+
+#include <cassert>
+#include <numeric>
+
+#include <glm/common.hpp>
+
+namespace roadgen {
+namespace {
+
+constexpr Box kNothing{glm::dvec3(std::numeric_limits<double>::infinity()),
+                       glm::dvec3(-std::numeric_limits<double>::infinity())};
+
+void add(Box& all, const Box& box) {
+  all.low_m = glm::min(all.low_m, box.low_m);
+  all.high_m = glm::max(all.high_m, box.high_m);
+}
+
+// How likely a point within about a metre of the box is to be asked for.
+double weight(const Box& box) {
+  const glm::dvec3 size = box.high_m - box.low_m;
+  return (size.x + 1) * (size.y + 1);
+}
+
+}  // namespace
+
+struct BoxTree::Builder {
+  BoxTree& tree;
+  const std::vector<Box>& boxes;
+  std::vector<std::uint32_t> order;
+
+  std::uint32_t divide(std::uint32_t begin, std::uint32_t end, std::uint32_t unit);
+  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
+};
+
+BoxTree::BoxTree(const std::vector<Box>& boxes) {
+  if (boxes.empty()) return;
+  assert(boxes.size() < kItem);
+  Box all = kNothing;
+  for (const Box& box : boxes) add(all, box);
+  origin_m_ = 0.5 * (all.low_m + all.high_m);
+  nodes_.reserve(boxes.size() / (kWidth - 1) + 2);
+  Builder builder{*this, boxes, std::vector<std::uint32_t>(boxes.size())};
+  std::iota(builder.order.begin(), builder.order.end(), 0u);
+  root_ = builder.build(0, static_cast<std::uint32_t>(boxes.size()));
+}
+
+// Orders [begin, end) so that the boxes before and after a middle, a multiple of unit from the begin, lie apart: by their
+// centres along the axis that leaves the smaller boxes. Returns the middle.
+std::uint32_t BoxTree::Builder::divide(std::uint32_t begin, std::uint32_t end, std::uint32_t unit) {
+  const std::uint32_t units = (end - begin + unit - 1) / unit, middle = begin + units / 2 * unit;
+  const auto halve = [&](int axis) {
+    std::nth_element(
+        order.begin() + begin, order.begin() + middle, order.begin() + end, [&](std::uint32_t i, std::uint32_t j) {
+          return boxes[i].low_m[axis] + boxes[i].high_m[axis] < boxes[j].low_m[axis] + boxes[j].high_m[axis];
+        });
+    Box before = kNothing, after = kNothing;
+    for (std::uint32_t i = begin; i < middle; ++i) add(before, boxes[order[i]]);
+    for (std::uint32_t i = middle; i < end; ++i) add(after, boxes[order[i]]);
+    return weight(before) + weight(after);
+  };
+  const double by_x = halve(0), by_y = halve(1);
+  if (by_x < by_y) halve(0);
+  return middle;
+}
+
+std::uint32_t BoxTree::Builder::build(std::uint32_t begin, std::uint32_t end) {
+  // Children of as many items as fill their subtrees.
+  std::uint32_t unit = 1;
+  while (static_cast<std::uint64_t>(unit) * kWidth < end - begin) unit *= kWidth;
+  std::uint32_t bounds[kWidth + 1] = {begin, end};
+  std::uint32_t count = 1;
+  for (std::uint32_t i = 0; i < count;) {
+    if (bounds[i + 1] - bounds[i] <= unit) {
+      ++i;
+      continue;
+    }
+    const std::uint32_t middle = divide(bounds[i], bounds[i + 1], unit);
+    std::copy_backward(bounds + i + 1, bounds + count + 1, bounds + count + 2);
+    bounds[i + 1] = middle;
+    ++count;
+  }
+  Node node;
+  node.count = count;
+  for (std::uint32_t i = 0; i < kWidth; ++i) {
+    Box all = kNothing;
+    if (i < count) {
+      for (std::uint32_t k = bounds[i]; k < bounds[i + 1]; ++k) add(all, boxes[order[k]]);
+      node.child[i] = bounds[i + 1] - bounds[i] == 1 ? order[bounds[i]] | kItem : build(bounds[i], bounds[i + 1]);
+    } else {
+      node.child[i] = kItem;
+    }
+    for (int k = 0; k < 3; ++k) {
+      node.low[k][i] = below(all.low_m[k] - tree.origin_m_[k] - kMargin_m);
+      node.high[k][i] = above(all.high_m[k] - tree.origin_m_[k] + kMargin_m);
+    }
+  }
+  tree.nodes_.push_back(node);
+  return static_cast<std::uint32_t>(tree.nodes_.size() - 1);
+}
+
+}  // namespace roadgen
