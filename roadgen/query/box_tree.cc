@@ -91,12 +91,72 @@ std::uint32_t BoxTree::Builder::build(std::uint32_t begin, std::uint32_t end) {
       node.child[i] = kItem;
     }
     for (int k = 0; k < 3; ++k) {
-      node.low[k][i] = below(all.low_m[k] - tree.origin_m_[k] - kMargin_m);
-      node.high[k][i] = above(all.high_m[k] - tree.origin_m_[k] + kMargin_m);
+      node.low[k][i / 4][i % 4] = below(all.low_m[k] - tree.origin_m_[k] - kMargin_m);
+      node.high[k][i / 4][i % 4] = above(all.high_m[k] - tree.origin_m_[k] + kMargin_m);
     }
   }
   tree.nodes_.push_back(node);
   return static_cast<std::uint32_t>(tree.nodes_.size() - 1);
+}
+
+BoxTree::Walk::Walk(const BoxTree& tree, const Box& about, const SearchLimits& limits, const Memory& memory)
+    : tree_(&tree), memory_(memory), heights_(limits.heights), top_(0) {
+  for (int k = 0; k < 3; ++k) {
+    low_[k] = below(about.low_m[k] - tree.origin_m_[k]);
+    high_[k] = above(about.high_m[k] - tree.origin_m_[k]);
+  }
+  limit(limits);
+  if (!tree.nodes_.empty()) stack_[top_++] = {0, 0, tree.root_};
+}
+
+void BoxTree::Walk::limit(const SearchLimits& limits) {
+  constexpr double kRounding = 1 + 1e-6;  // of the sums and squares in single precision
+  reach2_ = above(limits.reach_m * limits.reach_m * kRounding);
+  most_ = above(limits.cost_m * kRounding);
+}
+
+std::uint32_t BoxTree::Walk::step() {
+  constexpr auto kSame = static_cast<float>(kSameHeight_m), kBeside = static_cast<float>(kBeside_m);
+  constexpr auto kPer2 = static_cast<float>(1.000001 / (kPerBeside * kPerBeside));
+  if (top_ == 0) return kDone;
+  const Waiting at = stack_[--top_];
+  const float rest = most_ - at.gap, around = std::max(rest - kBeside, 0.0f);
+  if (rest < 0 || at.plane2 > around * around * kPer2) return kNode;
+  if (at.child & kItem) return at.child & ~kItem;
+  const Node& node = tree_->nodes_[at.child];
+  Four plane2[2], gap[2] = {};
+  Fours far[2];
+  for (int half = 0; half < 2; ++half) {
+    const Four dx = greater(greater(node.low[0][half] - high_[0], low_[0] - node.high[0][half]), Four{});
+    const Four dy = greater(greater(node.low[1][half] - high_[1], low_[1] - node.high[1][half]), Four{});
+    plane2[half] = dx * dx + dy * dy;
+    if (heights_) {
+      const Four dz = greater(node.low[2][half] - high_[2], low_[2] - node.high[2][half]);
+      gap[half] = greater(dz - kSame, Four{});  // at least, whichever way the height is rounded
+    }
+    // Whether height and distance together cost too much; without a root.
+    const Four left = most_ - gap[half], beside = greater(left - kBeside, Four{});
+    far[half] = (left < 0) | (plane2[half] > beside * beside * kPer2) | (plane2[half] > reach2_);
+  }
+  // Into the stack, the nearest on top.
+  const std::uint32_t bottom = top_;
+  for (std::uint32_t i = 0; i < node.count; ++i) {
+    const std::uint32_t half = i / 4, lane = i % 4;
+    if (far[half][lane]) continue;
+    const Waiting child{plane2[half][lane], gap[half][lane], node.child[i]};
+    std::uint32_t place = top_++;
+    for (; place > bottom && stack_[place - 1].plane2 + stack_[place - 1].gap < child.plane2 + child.gap; --place) {
+      stack_[place] = stack_[place - 1];
+    }
+    stack_[place] = child;
+    const std::uint32_t item = child.child & ~kItem;
+    if (!(child.child & kItem)) {
+      prefetch(&tree_->nodes_[item], sizeof(Node));
+    } else if (item < memory_.count) {
+      prefetch(static_cast<const char*>(memory_.first) + item * memory_.bytes, memory_.bytes);
+    }
+  }
+  return kNode;
 }
 
 }  // namespace roadgen

@@ -39,6 +39,11 @@ struct SearchLimits {
   bool heights = false;
 };
 
+// Asks for memory that will soon be read.
+inline void prefetch(const void* at, std::size_t bytes) {
+  for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(static_cast<const char*>(at) + i);
+}
+
 class BoxTree {
  public:
   // Boxes are widened by this, so that a point this near counts as inside.
@@ -56,17 +61,25 @@ class BoxTree {
   template <class Visit>
   void search(const Box& about, const SearchLimits& limits, Visit&& visit) const;
 
+  // The same search step by step, so that several may run in turn and none waits for memory.
+  class Walk;
+
  private:
   static constexpr std::uint32_t kWidth = 8;
   static constexpr std::uint32_t kItem = 0x80000000u;  // in a child: not a node but an item
+  // Side by side by the compiler's vectors (GCC, Clang), which every processor has in one form or another.
+  using Four = float __attribute__((vector_size(16)));
+  using Fours = std::int32_t __attribute__((vector_size(16)));  // what comparing them gives: 0 or -1
+  static Four greater(Four a, Four b) { return a > b ? a : b; }
+
   struct alignas(64) Node {
-    float low[3][kWidth];
-    float high[3][kWidth];
+    Four low[3][kWidth / 4];
+    Four high[3][kWidth / 4];
     std::uint32_t child[kWidth];
     std::uint32_t count;
   };
   struct Waiting {
-    float cost;
+    float plane2, gap;  // squared horizontal distance; what the vertical one costs
     std::uint32_t child;
   };
   // Deep enough for 2^31 items: of each of 11 levels all but one child wait.
@@ -89,55 +102,40 @@ class BoxTree {
   std::vector<Node> nodes_;
 };
 
+class BoxTree::Walk {
+ public:
+  static constexpr std::uint32_t kNode = 0xffffffffu, kDone = 0xfffffffeu;
+
+  // Items' own memory, asked for in advance: item i at first + i * bytes, for i < count.
+  struct Memory {
+    const void* first = nullptr;
+    std::size_t bytes = 0, count = 0;
+  };
+
+  Walk() = default;
+  Walk(const BoxTree& tree, const Box& about, const SearchLimits& limits, const Memory& memory);
+  // An item to visit; kNode: nothing yet, go on; kDone.
+  std::uint32_t step();
+  // Takes lessened limits.
+  void limit(const SearchLimits& limits);
+
+ private:
+  const BoxTree* tree_;
+  Memory memory_;
+  float low_[3], high_[3];
+  float reach2_, most_;
+  bool heights_;
+  std::uint32_t top_;
+  Waiting stack_[kStack];
+};
+
 template <class Visit>
 void BoxTree::search(const Box& about, const SearchLimits& limits, Visit&& visit) const {
-  if (nodes_.empty()) return;
-  float low[3], high[3];
-  for (int k = 0; k < 3; ++k) {
-    low[k] = below(about.low_m[k] - origin_m_[k]);
-    high[k] = above(about.high_m[k] - origin_m_[k]);
-  }
-  float reach2 = 0, most = 0;
-  const auto take_limits = [&] {
-    constexpr double kRounding = 1 + 1e-6;  // of the sums and squares in single precision
-    reach2 = above(limits.reach_m * limits.reach_m * kRounding);
-    most = above(limits.cost_m * kRounding);
-  };
-  take_limits();
-  Waiting stack[kStack];
-  std::size_t top = 0;
-  stack[top++] = {0, root_};
-  while (top > 0) {
-    const Waiting at = stack[--top];
-    if (at.cost > most) continue;
-    if (at.child & kItem) {
-      visit(at.child & ~kItem);
-      take_limits();
-      continue;
-    }
-    const Node& node = nodes_[at.child];
-    float plane2[kWidth], cost[kWidth];
-    for (std::uint32_t i = 0; i < kWidth; ++i) {
-      const float dx = std::max(std::max(node.low[0][i] - high[0], low[0] - node.high[0][i]), 0.0f);
-      const float dy = std::max(std::max(node.low[1][i] - high[1], low[1] - node.high[1][i]), 0.0f);
-      plane2[i] = dx * dx + dy * dy;
-      cost[i] =
-          plane2[i] > 0 ? static_cast<float>(kBeside_m) + static_cast<float>(kPerBeside) * std::sqrt(plane2[i]) : 0;
-    }
-    if (limits.heights) {
-      for (std::uint32_t i = 0; i < kWidth; ++i) {
-        const float gap = std::max(node.low[2][i] - high[2], low[2] - node.high[2][i]);
-        cost[i] += std::max(gap - static_cast<float>(kSameHeight_m), 0.0f);  // at least, whichever way it is rounded
-      }
-    }
-    // Into the stack by cost, the least on top.
-    const std::size_t bottom = top;
-    for (std::uint32_t i = 0; i < node.count; ++i) {
-      if (plane2[i] > reach2 || cost[i] > most) continue;
-      std::size_t place = top++;
-      for (; place > bottom && stack[place - 1].cost < cost[i]; --place) stack[place] = stack[place - 1];
-      stack[place] = {cost[i], node.child[i]};
-    }
+  Walk walk(*this, about, limits, {});
+  for (std::uint32_t item = walk.step(); item != Walk::kDone; item = walk.step()) {
+    if (item == Walk::kNode) continue;
+    visit(item);
+    walk.limit(limits);
   }
 }
 

@@ -96,7 +96,8 @@ Footprint::Footprint(const Road& road, const Segment& segment, SegmentRef at, st
       right_m_(segment.right_m.c0),
       at_(at),
       elevation_m_(segment.elevation_m),
-      segment_(&segment) {
+      segment_(&segment),
+      section_(&section_of(road, segment)) {
   const glm::dvec2 chord = segment.chord_m();
   axis_ = chord / glm::dot(chord, chord);
   const double width = segment.max_half_width_m() / length_m_;
@@ -106,7 +107,7 @@ Footprint::Footprint(const Road& road, const Segment& segment, SegmentRef at, st
   y_high_ = static_cast<float>(high + kSingle * std::abs(high));
   if (segment.left_m.is_constant() && segment.right_m.is_constant()) flags_ |= kConstantEdges;
   if (is_zero(segment.superelevation_rad)) flags_ |= kLevelAcross;
-  const Cubic::Range raised = lane_height_range_m(section_of(road, segment));
+  const Cubic::Range raised = lane_height_range_m(*section_);
   if ((flags_ & kLevelAcross) && is_zero(segment.crossfall_left) && is_zero(segment.crossfall_right) &&
       raised.low == 0 && raised.high == 0) {
     flags_ |= kFlatAcross;
@@ -192,7 +193,7 @@ double Footprint::ground_m(const Road& road, const RoadPoint& place) const {
   return surface_height_m(road, *segment_, local_s, t);
 }
 
-Box Footprint::bounds(const Road& road) const {
+Box Footprint::bounds() const {
   Bounds b = roadgen::bounds(*segment_);
   if (flags_ & kFolded) {
     // The fitted quad's ends need not hold cross sections that cross: a margin of the width all around the curve.
@@ -201,7 +202,7 @@ Box Footprint::bounds(const Road& road) const {
       for (const float y : {y_low_, y_high_}) b.add(glm::dvec3(from_chord(*segment_, {x, y}), b.low_m.z));
     }
   }
-  const Cubic::Range lanes = lane_height_range_m(section_of(road, *segment_));
+  const Cubic::Range lanes = lane_height_range_m(*section_);
   b.low_m.z += lanes.low;
   b.high_m.z += lanes.high;
   return {b.low_m, b.high_m};

@@ -46,7 +46,7 @@ inline constexpr double kTouch_m = 1e-8;
 
 // What a query reads of a segment, together in memory; the segment itself is read where something is out of the
 // ordinary. Requires: road and segment stay where they are.
-class Footprint {
+class alignas(64) Footprint {
  public:
   // area: index of the junction whose area the road leads through, or -1.
   Footprint(const Road& road, const Segment& segment, SegmentRef at, std::int32_t area);
@@ -65,10 +65,11 @@ class Footprint {
   int beyond(glm::dvec2 point_m) const;
 
   // Of the carriageway and the surface on it.
-  Box bounds(const Road& road) const;
+  Box bounds() const;
 
   SegmentRef at() const { return at_; }
   std::int32_t area() const { return area_; }
+  const LaneSection& section() const { return *section_; }
   const Segment& segment() const { return *segment_; }
 
  private:
@@ -101,6 +102,8 @@ class Footprint {
   SegmentRef at_;
   Cubic elevation_m_;
   const Segment* segment_;
+  const LaneSection* section_;
 };
+static_assert(sizeof(Footprint) == 192);  // three cache lines, of which may_hold reads the first
 
 }  // namespace roadgen

@@ -1,10 +1,12 @@
 #include "roadgen/query/road_index.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <compare>
 #include <string_view>
+#include <type_traits>
 #include <unordered_map>
 
 #include <glm/geometric.hpp>
@@ -16,7 +18,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNoItem = 0xffffffffu;
 constexpr std::size_t kMostOverlaps = 64;  // a segment with more has no list
 constexpr int kHintSteps = 8;              // segments along the road
-constexpr double kLevel_m = 1e-9;
 
 bool is_finite(glm::dvec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
@@ -37,9 +38,9 @@ struct RoadIndex::Order {
 
 // One query under way.
 struct RoadIndex::Search {
-  glm::dvec3 point_m;
-  double reach_m;
-  SearchLimits limits;
+  glm::dvec3 point_m{0, 0, 0};
+  double reach_m = 0;
+  SearchLimits limits = {};
   Order order = {};
   RoadPoint best = {};
 
@@ -52,10 +53,8 @@ struct RoadIndex::Search {
     if (asked == area) return inside;
     const Area& a = areas[static_cast<std::size_t>(asked)];
     area = asked;
-    inside = roadgen::is_inside(a.surface, glm::dvec2(point_m));
-    if (inside && limits.heights) {
-      area_z_m = a.level ? a.surface.center_m.z : height_at(a.surface, glm::dvec2(point_m)).height_m;
-    }
+    inside = a.holds(glm::dvec2(point_m));
+    if (inside && limits.heights) area_z_m = a.ground_at(glm::dvec2(point_m)).height_m;
     return inside;
   }
   void take(const Order& other, const RoadPoint& place) {
@@ -70,11 +69,10 @@ RoadIndex::RoadIndex(const Network& network) : network_(&network) {
   std::vector<Box> boxes;
   std::unordered_map<std::string_view, std::int32_t> area_of;
   for (const Junction& junction : network.junctions) {
-    JunctionSurface surface = junction_surface(junction);
-    const bool level = surface.high_m.z - surface.low_m.z <= kLevel_m;
     area_of.emplace(junction.id, static_cast<std::int32_t>(areas_.size()));
-    areas_.push_back({std::move(surface), level, {}});
+    areas_.emplace_back(junction);
   }
+  through_.resize(areas_.size());
   const std::size_t count = network.segment_count();
   footprints_.reserve(count);
   buckets_.reserve(count);
@@ -86,13 +84,13 @@ RoadIndex::RoadIndex(const Network& network) : network_(&network) {
     const std::size_t n = road.segments.size();
     const auto first = static_cast<Item>(footprints_.size());
     first_.push_back(first);
+    buckets_per_m_.push_back(n > 0 ? static_cast<double>(n) / road.length_m() : 0);
     for (std::uint32_t i = 0; i < n; ++i) {
       footprints_.emplace_back(road, road.segments[i], SegmentRef{r, i}, area);
-      boxes.push_back(footprints_.back().bounds(road));
+      boxes.push_back(footprints_.back().bounds());
       if (area >= 0) {
-        Area& ground = areas_[static_cast<std::size_t>(area)];
-        ground.through.push_back(first + i);
-        const JunctionSurface& surface = ground.surface;
+        through_[static_cast<std::size_t>(area)].push_back(first + i);
+        const JunctionSurface& surface = areas_[static_cast<std::size_t>(area)].surface();
         boxes.back().low_m.z = std::min(boxes.back().low_m.z, surface.center_m.z + surface.low_m.z);
         boxes.back().high_m.z = std::max(boxes.back().high_m.z, surface.center_m.z + surface.high_m.z);
       }
@@ -102,7 +100,8 @@ RoadIndex::RoadIndex(const Network& network) : network_(&network) {
   }
   first_.push_back(static_cast<Item>(footprints_.size()));
   for (const Area& area : areas_) {
-    boxes.push_back({area.surface.center_m + area.surface.low_m, area.surface.center_m + area.surface.high_m});
+    const JunctionSurface& surface = area.surface();
+    boxes.push_back({surface.center_m + surface.low_m, surface.center_m + surface.high_m});
   }
   tree_ = BoxTree(boxes);
   add_overlaps(boxes);
@@ -171,7 +170,7 @@ RoadIndex::Order RoadIndex::order_of(const RoadPoint& place) const {
 }
 
 void RoadIndex::name_lane(RoadPoint& place) const {
-  const LaneSection& section = section_of(network_->roads[place.at.road], segment(place.at));
+  const LaneSection& section = footprints_[first_[place.at.road] + place.at.segment].section();
   place.lane = lane_at(section, place.s_m - section.s_m, place.t_m);
 }
 
@@ -197,27 +196,85 @@ bool RoadIndex::find_from(const RoadHint& hint, Search& search) const {
   return true;
 }
 
-std::optional<RoadPoint> RoadIndex::find(glm::dvec3 point_m, bool heights, double reach_m, RoadHint* hint) const {
-  if (!is_finite(point_m)) return {};
-  Search search{point_m, reach_m, {.reach_m = reach_m, .heights = heights}};
-  if (!hint || !find_from(*hint, search)) {
-    tree_.search(box_about(point_m), search.limits, [&](Item item) { consider(item, search); });
-  }
+std::optional<RoadPoint> RoadIndex::answer(Search& search) const {
   if (search.order.kind > kAreaAlone) return {};
   if (search.order.kind == kAreaAlone) {
     name_road_of_area(search);
   } else {
     name_lane(search.best);
   }
-  if (hint && search.best.has_road()) hint->at = search.best.at;
   return search.best;
+}
+
+std::optional<RoadPoint> RoadIndex::find(glm::dvec3 point_m, bool heights, double reach_m, RoadHint* hint) const {
+  if (!is_finite(point_m)) return {};
+  Search search{point_m, reach_m, {.reach_m = reach_m, .heights = heights}};
+  if (!hint || !find_from(*hint, search)) {
+    BoxTree::Walk walk = walk_of(search);
+    for (Item item = walk.step(); item != BoxTree::Walk::kDone; item = walk.step()) {
+      if (item == BoxTree::Walk::kNode) continue;
+      consider(item, search);
+      walk.limit(search.limits);
+    }
+  }
+  const std::optional<RoadPoint> found = answer(search);
+  if (hint && found && found->has_road()) hint->at = found->at;
+  return found;
+}
+
+BoxTree::Walk RoadIndex::walk_of(const Search& search) const {
+  return {tree_, box_about(search.point_m), search.limits, {footprints_.data(), sizeof(Footprint), footprints_.size()}};
+}
+
+// Several walks in turn, each a step at a time: while one waits for memory the others go on.
+template <class Point>
+void RoadIndex::find_all(std::span<const Point> points_m, double reach_m,
+                         std::span<std::optional<RoadPoint>> found) const {
+  assert(points_m.size() == found.size());
+  constexpr std::size_t kAtOnce = 8;
+  constexpr bool heights = std::is_same_v<Point, glm::dvec3>;
+  struct Slot {
+    std::size_t place;
+    Search search;
+    BoxTree::Walk walk;
+  };
+  std::array<Slot, kAtOnce> slots;
+  std::size_t next = 0, active = 0;
+  const auto start = [&](Slot& slot) {
+    for (; next < points_m.size(); ++next) {
+      const glm::dvec3 point(points_m[next].x, points_m[next].y, heights ? points_m[next][heights ? 2 : 0] : 0);
+      if (is_finite(point)) {
+        slot.place = next++;
+        slot.search = {point, reach_m, {.reach_m = reach_m, .heights = heights}};
+        slot.walk = walk_of(slot.search);
+        return true;
+      }
+      found[next].reset();
+    }
+    return false;
+  };
+  while (active < kAtOnce && start(slots[active])) ++active;
+  while (active > 0) {
+    for (std::size_t i = 0; i < active; ++i) {
+      Slot& slot = slots[i];
+      const Item item = slot.walk.step();
+      if (item == BoxTree::Walk::kNode) continue;
+      if (item != BoxTree::Walk::kDone) {
+        consider(item, slot.search);
+        slot.walk.limit(slot.search.limits);
+        continue;
+      }
+      found[slot.place] = answer(slot.search);
+      if (!start(slot) && i != --active) slot = slots[active];
+    }
+  }
 }
 
 // On a part of an area that no road through it holds: the nearest of them.
 void RoadIndex::name_road_of_area(Search& search) const {
   RoadPoint& best = search.best;
   double outside = kInfinity, distance = kInfinity;
-  for (const Item item : areas_[static_cast<std::size_t>(best.junction)].through) {
+  for (const Item item : through_[static_cast<std::size_t>(best.junction)]) {
     const RoadPoint place = footprints_[item].locate(glm::dvec2(search.point_m));
     if (place.outside_m > outside || (place.outside_m == outside && place.distance_m >= distance)) continue;
     outside = place.outside_m;
@@ -240,16 +297,14 @@ std::optional<RoadPoint> RoadIndex::to_road(glm::dvec3 point_m, double reach_m, 
 
 void RoadIndex::to_road(std::span<const glm::dvec2> points_m, double reach_m, std::span<std::optional<RoadPoint>> found,
                         RoadHint* hint) const {
-  assert(points_m.size() == found.size());
-  RoadHint own;
-  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = to_road(points_m[i], reach_m, hint ? hint : &own);
+  if (!hint) return find_all(points_m, reach_m, found);
+  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = to_road(points_m[i], reach_m, hint);
 }
 
 void RoadIndex::to_road(std::span<const glm::dvec3> points_m, double reach_m, std::span<std::optional<RoadPoint>> found,
                         RoadHint* hint) const {
-  assert(points_m.size() == found.size());
-  RoadHint own;
-  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = to_road(points_m[i], reach_m, hint ? hint : &own);
+  if (!hint) return find_all(points_m, reach_m, found);
+  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = to_road(points_m[i], reach_m, hint);
 }
 
 // ---- All roads in reach ----
@@ -305,12 +360,16 @@ std::vector<SegmentRef> RoadIndex::within(glm::dvec2 point_m, double reach_m) co
 
 // ---- Road to world ----
 
+std::size_t RoadIndex::bucket_of(std::uint32_t road, double s_m) const {
+  const std::size_t count = segments_of(road);
+  const double part = s_m * buckets_per_m_[road];
+  return part > 0 ? std::min(static_cast<std::size_t>(part), count - 1) : 0;
+}
+
 // As segment_at, for s that is wrapped.
 std::size_t RoadIndex::segment_at_s(std::uint32_t road, double s_m) const {
   const std::vector<Segment>& segments = network_->roads[road].segments;
-  const std::size_t count = segments.size();
-  const double part = s_m / network_->roads[road].length_m() * static_cast<double>(count);
-  const std::size_t bucket = part > 0 ? std::min(static_cast<std::size_t>(part), count - 1) : 0;
+  const std::size_t count = segments.size(), bucket = bucket_of(road, s_m);
   std::size_t low = buckets_[first_[road] + bucket];
   while (low > 0 && segments[low].s_start_m > s_m) --low;  // by rounding of the bucket
   // Two buckets on, where rounding cannot matter.
@@ -327,31 +386,58 @@ std::size_t RoadIndex::segment_at_s(std::uint32_t road, double s_m) const {
 }
 
 void RoadIndex::stand_on_area(const Area& area, glm::dvec2 point_m, glm::dvec2 tangent, RoadPose& pose) const {
-  const JunctionPoint ground =
-      area.level ? JunctionPoint{area.surface.center_m.z, {0, 0}} : height_at(area.surface, point_m);
+  const JunctionPoint ground = area.ground_at(point_m);
   pose.position_m = glm::dvec3(point_m, ground.height_m);
   lean(pose, tangent, ground.gradient);
 }
 
-RoadPose RoadIndex::to_world(const RoadPlace& place) const {
+double RoadIndex::wrapped_s_m(const RoadPlace& place) const {
   const Road& road = network_->roads[place.road];
-  const double length = road.length_m();
-  const double s = road.closed ? place.s_m - std::floor(place.s_m / length) * length : place.s_m;
-  const std::size_t segment = segment_at_s(place.road, s);
-  RoadPose pose = pose_in(road, road.segments[segment], s - road.segments[segment].s_start_m, place.t_m);
+  if (!road.closed) return place.s_m;
+  return place.s_m - std::floor(place.s_m / road.length_m()) * road.length_m();
+}
+
+RoadPose RoadIndex::pose_on(const RoadPlace& place, double s_m, std::size_t segment) const {
+  const Road& road = network_->roads[place.road];
+  RoadPose pose = pose_in(road, road.segments[segment], s_m - road.segments[segment].s_start_m, place.t_m);
+  if (road.junction.empty()) return pose;
   const std::int32_t area = footprints_[first_[place.road] + segment].area();
   if (area < 0) return pose;
   const Area& ground = areas_[static_cast<std::size_t>(area)];
   const glm::dvec2 flat(pose.position_m);
-  if (is_inside(ground.surface, flat)) {
+  if (ground.holds(flat)) {
     stand_on_area(ground, flat, {std::cos(pose.heading_rad), std::sin(pose.heading_rad)}, pose);
   }
   return pose;
 }
 
+RoadPose RoadIndex::to_world(const RoadPlace& place) const {
+  const double s = wrapped_s_m(place);
+  return pose_on(place, s, segment_at_s(place.road, s));
+}
+
+// Three steps of a block at a time: memory is asked for a step before it is read.
 void RoadIndex::to_world(std::span<const RoadPlace> places, std::span<RoadPose> poses) const {
   assert(places.size() == poses.size());
-  for (std::size_t i = 0; i < places.size(); ++i) poses[i] = to_world(places[i]);
+  constexpr std::size_t kBlock = 32;
+  std::array<double, kBlock> s;
+  std::array<std::size_t, kBlock> segment;
+  for (std::size_t begin = 0; begin < places.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, places.size() - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      const RoadPlace& place = places[begin + i];
+      s[i] = wrapped_s_m(place);
+      segment[i] = bucket_of(place.road, s[i]);
+      prefetch(&buckets_[first_[place.road] + segment[i]], 1);
+      prefetch(&network_->roads[place.road].segments[segment[i]], sizeof(Segment));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const RoadPlace& place = places[begin + i];
+      segment[i] = segment_at_s(place.road, s[i]);
+      prefetch(&network_->roads[place.road].segments[segment[i]], sizeof(Segment));
+    }
+    for (std::size_t i = 0; i < count; ++i) poses[begin + i] = pose_on(places[begin + i], s[i], segment[i]);
+  }
 }
 
 RoadPose RoadIndex::pose(const RoadPoint& place, glm::dvec2 point_m) const {

@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "roadgen/query/area.h"
 #include "roadgen/query/box_tree.h"
 #include "roadgen/query/footprint.h"
 #include "roadgen/road/network.h"
@@ -59,7 +60,8 @@ class RoadIndex {
   std::optional<RoadPoint> to_road(glm::dvec2 point_m, double reach_m, RoadHint* hint = nullptr) const;
   std::optional<RoadPoint> to_road(glm::dvec3 point_m, double reach_m, RoadHint* hint = nullptr) const;
 
-  // The same for many points, each the hint of the next. Requires: as many answers as points.
+  // The same for many points: with a hint each is the hint of the next, as for the wheels of a vehicle; without one the
+  // searches run side by side, for points all over. Requires: as many answers as points.
   void to_road(std::span<const glm::dvec2> points_m, double reach_m, std::span<std::optional<RoadPoint>> found,
                RoadHint* hint = nullptr) const;
   void to_road(std::span<const glm::dvec3> points_m, double reach_m, std::span<std::optional<RoadPoint>> found,
@@ -72,7 +74,7 @@ class RoadIndex {
   std::size_t candidates(glm::dvec3 point_m, double reach_m, std::span<RoadPoint> found) const;
 
   // The pose on what is driven on at a place: the road, or the junction's area through which it leads. Accuracy: as
-  // pose_at; heights of areas that are level within 1e-9 m are taken as level. Requires: place.road is an index of a road
+  // pose_at. Requires: place.road is an index of a road
   // with segments; s and t finite. Cost: O(1), O(log n) where segments of a road differ much in length.
   RoadPose to_world(const RoadPlace& place) const;
   // The same for many. Requires: as many poses as places.
@@ -101,21 +103,23 @@ class RoadIndex {
   // The tree's items are the segments, in the network's order, and after them the areas.
   using Item = std::uint32_t;
 
-  struct Area {
-    JunctionSurface surface;
-    bool level;                 // surface.center_m.z everywhere
-    std::vector<Item> through;  // segments of the roads that lead through
-  };
   struct Order;
   struct Search;
 
   static Box box_about(glm::dvec3 p) { return {p, p}; }
   std::uint32_t segments_of(std::uint32_t road) const { return first_[road + 1] - first_[road]; }
+  std::size_t bucket_of(std::uint32_t road, double s_m) const;
   std::size_t segment_at_s(std::uint32_t road, double s_m) const;
+  double wrapped_s_m(const RoadPlace& place) const;
+  RoadPose pose_on(const RoadPlace& place, double s_m, std::size_t segment) const;
   void stand_on_area(const Area& area, glm::dvec2 point_m, glm::dvec2 tangent, RoadPose& pose) const;
   void add_overlaps(const std::vector<Box>& boxes);
 
   std::optional<RoadPoint> find(glm::dvec3 point_m, bool heights, double reach_m, RoadHint* hint) const;
+  template <class Point>
+  void find_all(std::span<const Point> points_m, double reach_m, std::span<std::optional<RoadPoint>> found) const;
+  BoxTree::Walk walk_of(const Search& search) const;
+  std::optional<RoadPoint> answer(Search& search) const;
   bool find_from(const RoadHint& hint, Search& search) const;
   void consider(Item item, Search& search) const;
   RoadPoint place_on(const Footprint& footprint, Search& search, double reach_m) const;
@@ -128,8 +132,10 @@ class RoadIndex {
   const Network* network_;
   std::vector<Footprint> footprints_;
   std::vector<Item> first_;             // of each road's segments; one more than roads
+  std::vector<double> buckets_per_m_;   // of each road
   std::vector<std::uint32_t> buckets_;  // [first_[road] + k]: the segment at s = k / segments of the road's length
   std::vector<Area> areas_;
+  std::vector<std::vector<Item>> through_;  // each area: segments of the roads that lead through
   BoxTree tree_;
   // The items whose boxes overlap a segment's: overlaps_[overlap_first_[i]] to [overlap_first_[i + 1]].
   std::vector<std::uint32_t> overlap_first_;
@@ -150,7 +156,7 @@ void RoadIndex::visit_junctions(glm::dvec2 point_m, double reach_m, Visit&& visi
   tree_.search(box_about(glm::dvec3(point_m, 0)), {.reach_m = reach_m}, [&](Item item) {
     if (item < footprints_.size()) return;
     const Item i = item - static_cast<Item>(footprints_.size());
-    visit(i, areas_[i].surface);
+    visit(i, areas_[i].surface());
   });
 }
 

@@ -63,12 +63,13 @@ RoadPose pose_at(const Road& road, double s_m, double t_m) {
 RoadPose pose_in(const Road& road, const Segment& segment, double local_s_m, double t_m) {
   constexpr double kLeast = 0.05;  // nearer to the centre of curvature slopes along the road mean nothing
   const double local = std::clamp(local_s_m, 0.0, segment.arc_m), u = u_at_arc(segment, local);
-  const double df = Lib::road_df(u, segment.slope_start, segment.slope_end);
-  const glm::dvec2 chord = segment.chord_m(), along = chord + glm::dvec2(-chord.y, chord.x) * df;
-  const glm::dvec2 tangent = along / glm::length(along), left(-tangent.y, tangent.x);
+  const double a = segment.slope_start, b = segment.slope_end, df = Lib::road_df(u, a, b);
+  const glm::dvec2 chord = segment.chord_m(), aside(-chord.y, chord.x), along = chord + aside * df;
+  const double length = glm::length(along);  // of the chord, times sqrt(1 + df^2)
+  const glm::dvec2 tangent = along / length, left(-tangent.y, tangent.x);
   RoadPose pose;
   pose.heading_rad = std::atan2(along.y, along.x);
-  pose.curvature_per_m = curvature_per_m(segment, u);
+  pose.curvature_per_m = Lib::road_ddf(u, a, b) / ((1 + df * df) * length);
   const double tilt = segment.superelevation_rad.value(local), n = t_m * std::cos(tilt);
   const Lib::SurfaceSlope surface = surface_at(segment, local, n);
   const LaneSurface lanes = lane_surface(section_of(road, segment), section_offset_m(road, segment) + local, t_m);
@@ -76,8 +77,8 @@ RoadPose pose_in(const Road& road, const Segment& segment, double local_s_m, dou
   // t = n / cos(superelevation) changes along a line of constant n.
   const double turn = t_m * std::tan(tilt) * segment.superelevation_rad.slope(local);
   const double ahead = surface.ahead + lanes.along + lanes.across * turn;
-  const double aside = surface.aside + lanes.across / std::cos(tilt);
-  lean(pose, tangent, tangent * (ahead / std::max(1 - n * pose.curvature_per_m, kLeast)) + left * aside);
+  const double across = surface.aside + lanes.across / surface.cosine;
+  lean(pose, tangent, tangent * (ahead / std::max(1 - n * pose.curvature_per_m, kLeast)) + left * across);
   return pose;
 }
 
