@@ -21,14 +21,23 @@ flat in vec4 superelevation;
 flat in vec4 crossfall;
 flat in vec4 box;
 flat in vec3 eye;
+flat in vec2 bends;
 in vec3 point;
 #else
 in vec2 chord_point;
 in vec3 linear;
 #endif
 
+#ifndef CHANNELS
+// Depth of the ground alone, which is drawn before the roads.
+layout(binding = 2) uniform sampler2D ground_depth;
+layout(binding = 3) uniform sampler2DMS ground_depths;
+layout(location = 0) uniform int ground_samples;  // which of them holds it: 1, or the samples of the other; 0: neither
+#endif
+
 const uint kOpenStart = 1u;
 const uint kOpenEnd = 2u;
+const float kNearer = 0.75;  // the least part of its depth that a pixel is given
 
 // Where the eye ray meets one level of the cross section.
 struct Spot {
@@ -47,9 +56,12 @@ struct Spot {
   vec2 w_step;    // relative change of 1 / depth, likewise
   bool on;        // false: the ray leaves the segment before or after
   bool beyond;    // on: also over a joint
-  bool approaches;  // it leaves on its way to the surface
-  bool buried;      // it has met the road before the segment
-  bool crest;       // parts of the pixel may pass over a crest that others meet
+  float seen;       // part of the pixel below the silhouette of the crest, 1 where there is none
+  vec2 sink;        // change of the depth below the silhouette per pixel right and up, of which it shows `deep` at its middle
+  float deep;
+  float crest;  // m from the eye: where that is
+  bool rough;   // parts of the pixel may see otherwise than its middle's surroundings tell
+  float turn;       // curvature of the reference line, 1/m
 };
 
 // Part of the pixel: its middle from the pixel's, and its size, both in pixels right and up.
@@ -57,7 +69,9 @@ struct Part {
   vec2 at;
   vec2 size;
   bool beyond;  // what lies beyond the segment's joints is taken as if it went on
+  float last;   // m from the eye: where the crest is, beyond which the road is hidden
 };
+#define WHOLE Part(vec2(0.0), vec2(1.0), false, 1e9)
 
 // Sets the changes per pixel.
 void spread(inout Spot spot) {
@@ -79,7 +93,10 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, float s, vec3 position, vec2 si
   spot.p = p;
   spot.position = position;
   spot.on = true;
-  spot.approaches = spot.buried = spot.crest = false;
+  spot.seen = 1.0;
+  spot.sink = vec2(0.0);
+  spot.deep = spot.crest = 1e9;
+  spot.rough = false;
   // Clamped before any use: lanes that end in a discard may hold anything.
   spot.s = clamp(s, -r.arc, 2.0 * r.arc);
   float n = clamp(c.v * r.chord, -1e3, 1e3);
@@ -88,7 +105,9 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, float s, vec3 position, vec2 si
   float df = road_df(c.u, r.a, r.b);
   vec2 tangent = normalize(axis + vec2(-axis.y, axis.x) * df);
   spot.left = vec2(-tangent.y, tangent.x);
-  float bend = max(1.0 - c.v * road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5), 0.05);
+  float turn = road_ddf(c.u, r.a, r.b) / pow(1.0 + df * df, 1.5);
+  float bend = max(1.0 - c.v * turn, 0.05);
+  spot.turn = turn / r.chord;
   spot.normal = normalize(vec3(-slope.ahead / bend * tangent - slope.aside * spot.left, 1.0));
   spot.bend = bend;
   spot.cosine = slope.cosine;
@@ -162,102 +181,113 @@ Ray eye_ray(RoadSurface r, vec2 at) {
   return ray;
 }
 
-// Does the ray meet the road back_k before `start`?
-bool comes_over(RoadSurface r, RoadHit start, float back_k, vec3 toward) {
-  float df = road_df(start.u, r.a, r.b);
-  float t = r.chord * (start.v - back_k * (toward.y - df * toward.x) / sqrt(1.0 + df * df));
-  return t > section_border(ids.y, 0, height.w) &&
+// Has the ray met the road from above before it comes over the joint? Within a pixel and a half; what lies deeper is
+// hidden.
+bool comes_over(RoadSurface r, Ray ray, RoadSearch search, float pixel) {
+  float t = r.chord * search.over_v;
+  return search.before < 0.0 && search.before > -1.5 * pixel * (ray.reach + ray.k.x) && search.climb < 0.0 &&
+         ray.k.x > ray.wide.x && t > section_border(ids.y, 0, height.w) &&
          t < section_border(ids.y, int(section_row(ids.y).x) - 1, height.w);
 }
 
-// Is the ray, where it comes over the joint at `start`, less than a pixel and a half below the surface?
-bool just_under(Ray ray, RoadHit start, float above, float pixel) {
-  return above < 0.0 && above > -1.5 * pixel * (ray.reach + start.k) && ray.k.x > ray.wide.x;
+#ifndef CHANNELS
+// Is all that the ray may meet behind the ground, in every sample of the pixel?
+bool behind_ground(Ray ray) {
+  if (ground_samples == 0) return false;
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  // At least kNearer of the depth where the ray enters is what main() gives it.
+  float nearness = forward.w / (kNearer * dot(relative, forward.xyz) * (1.0 + ray.k.x / ray.reach));
+  if (ground_samples == 1) return texelFetch(ground_depth, at, 0).x > nearness;
+  for (int i = 0; i < ground_samples; ++i) {
+    if (texelFetch(ground_depths, at, i).x <= nearness) return false;
+  }
+  return true;
 }
+
+// Sets what part of the pixel is below the silhouette of a crest: the ray passes `deep` below it, m, where it is `away`
+// from the eye. side: 1 for a ray above the surface, -1 for one below it.
+void sink_below(inout Spot spot, float deep, float away, float side) {
+  vec3 slope = spot.normal / spot.normal.z * right.w * away;
+  spot.deep = deep;
+  spot.crest = away;
+  spot.sink = -side * vec2(dot(slope, right.xyz), dot(slope, up.xyz)) * spot.size;
+  spot.seen = filter_step(deep, spot.sink.x, spot.sink.y);
+}
+#endif
+
+// Only levels of DETAILED roads, and the silhouettes of the picture, need to know about rays that miss.
+#if defined(CHANNELS) && !defined(DETAILED)
+#define LOOK_ABOUT false
+#else
+#define LOOK_ABOUT true
+#endif
 
 // Where the ray meets the surface raised by lift; beyond: also over the joints.
 Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   vec3 from = ray.from - vec3(0.0, 0.0, lift);
   vec3 toward = ray.toward;
-  vec2 k = ray.wide;
+  vec2 k = vec2(ray.wide.x, min(ray.wide.y, part.last - ray.reach));
   // A thousandth of a pixel, or half a millimetre.
   float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
   float limit = max(section_border(ids.y, int(section_row(ids.y).x) - 1, height.w), -section_border(ids.y, 0, height.w));
-  RoadHit hit = surface_find(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit, r);
-  // Rays that touch a crest come no nearer.
-  bool on = hit.residual <= (hit.k > k.x && hit.k < k.y ? 10.0 : 1.0) * tolerance;
-  float above = 0.0;
-  bool approaches = false;
-  bool buried = false;
-  bool crest = false;
-  float before;
-  float before_climb;
+  RoadSearch search = surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, limit,
+                                     LOOK_ABOUT && !part.beyond, ray.k.x, ray.k.y, r);
+  RoadHit hit = search.hit;
   float pixel = right.w * (abs(right.z) + abs(up.z));
-  if (!on) {
-    RoadHit start = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, r, before, before_climb);
-    float side = before < 0.0 ? -1.0 : 1.0;
-    if (just_under(ray, start, before, pixel)) buried = comes_over(r, start, max(before / before_climb, 0.0), toward);
-    float last;
-    float last_climb;
-    RoadHit end = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.y, r, last, last_climb);
-    RoadHit nearest = abs(before) < abs(last) ? start : end;
-    float first_climb = before_climb;
-    if (side * first_climb < 0.0 && side * last_climb > 0.0) {
-      // Over a crest, or under a sag.
-      nearest = surface_nearest(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, ray.k.y, first_climb,
-                                last_climb, r);
-      first_climb = 0.0;
-    }
-    bool diverges = before > 0.0 && nearest.k == start.k && ray.k.x > ray.wide.x && first_climb > 0.0;
-    crest = !diverges && ray.k.x <= ray.k.y && r.chord * abs(nearest.v) < 1.5 * limit + 1.0 &&
-            min(abs(first_climb), abs(last_climb)) < 0.03 &&
-            nearest.residual < pixel * (ray.reach + nearest.k);
-    // Held at the end where it is nearer.
-    hit = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, r, above, first_climb);
-    end = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.y, r, last, last_climb);
-    approaches = above * (abs(above) < abs(last) ? first_climb : -last_climb) > 0.0;
-    if (abs(last) < abs(above)) {
-      hit = end;
-      above = last;
-    }
-  }
+#ifdef CHANNELS
+  bool crest = false;
+#else
+  bool over = comes_over(r, ray, search, pixel);
+  bool crest = search.crest && !over && hit.residual < pixel * (ray.reach + hit.k);
+#endif
   vec3 place = ray.start + hit.k * ray.along - eye;
   RoadCoord c;
   c.u = hit.u;
   c.v = hit.v;
   Spot spot = spot_at(r, vec2(hit.x, hit.y), c, hit.s,
                       vec3(axis * place.x + vec2(-axis.y, axis.x) * place.y, place.z), part.size);
-  float toward_it = abs(dot(spot.normal, ray.along)) / spot.normal.z;
+  vec3 along = spot.position / (ray.reach + hit.k);
+  float climb = dot(spot.normal, along) / spot.normal.z;  // relative to the surface
+  float toward_it = abs(climb);
   // The place along the ray is known to within the tolerance of the height: neighbours overlap by that.
   float slack = min(tolerance / max(toward_it, 1e-4), 1.0);
-  bool within = on && hit.k >= ray.k.x - slack && hit.k <= ray.k.y + slack;
-  // A ray that meets the surface from above within the segment has come from above it.
-  if (on && (hit.k <= ray.k.x || dot(spot.normal, ray.along) > 0.0)) {
-    RoadHit start = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, ray.k.x, r, before, before_climb);
-    if (just_under(ray, start, before, pixel)) buried = comes_over(r, start, max(before / before_climb, 0.0), toward);
-  }
+  bool within = search.met && hit.k >= ray.k.x - slack && hit.k <= ray.k.y + slack;
 #ifndef CHANNELS
-  if (within && toward_it < 0.1) {
-    // Does the surface bend away from the ray before the ray is a pixel deep, or within a pixel at its sides?
-    float deep = pixel * (ray.reach + hit.k);
-    float step = 2.0 * deep / max(toward_it, 1e-4);
-    float ahead = abs(surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, hit.k + step, r));
-    crest = ahead < deep && hit.k + step < ray.wide.y;
+  within = within && !(climb > 0.0 && over);
+  if (crest) {
+    sink_below(spot, -hit.residual, ray.reach + hit.k, sign(search.above));
+  } else if (within && (toward_it * toward_it < 4.0 * pixel * (ray.reach + hit.k) * bends.x ||
+                        toward_it < bends.y)) {
+    float dn = dot(spot.left, along.xy);
+    float ds = (along.x * spot.left.y - along.y * spot.left.x) / spot.bend;
+    float side = climb < 0.0 ? 1.0 : -1.0;
+    // To where it would run level with the surface, with the bend half way there.
+    float n = spot.t * spot.cosine;
+    float bend = side * surface_bend(spot.s, n, spot.turn, ds, dn, r);
+    float onward = toward_it / max(bend, 1e-6);
+    bend = side * surface_bend(spot.s + 0.5 * ds * onward, n, spot.turn, ds, dn, r);
+    onward = toward_it / max(bend, 1e-6);
+    float deep = 0.5 * toward_it * onward;
+    // Crossfall to both sides makes a ridge of the reference line: there its slope relative to the surface changes.
+    float ridge = -n / (abs(dn) < 1e-6 ? 1e-6 : dn);
+    float fold = side * (r.left0 + r.right0 + (r.left1 + r.right1) * spot.s) * abs(dn);
+    if (ridge > 0.0 && ridge < onward && fold > 0.0) {
+      float rest = max(toward_it - bend * ridge - fold, 0.0);
+      onward = ridge + rest / max(bend, 1e-6);
+      deep = ridge * (toward_it - 0.5 * bend * ridge) + 0.5 * rest * (onward - ridge);
+    }
     int last = int(section_row(ids.y).x) - 1;
     float away = min(abs(spot.t - section_border(ids.y, 0, height.w + spot.s)),
                      abs(spot.t - section_border(ids.y, last, height.w + spot.s)));
-    if (!crest && away < 1.5 * (abs(spot.t_step.x) + abs(spot.t_step.y))) {
-      float back = abs(surface_above(from.x, from.y, from.z, toward.x, toward.y, toward.z, hit.k - step, r));
-      crest = max(abs(ahead - 2.0 * deep), abs(back - 2.0 * deep)) > 0.4 * deep;
-    }
+    float step = abs(spot.t_step.x) + abs(spot.t_step.y);
+    spot.rough = (away < 1.5 * step && toward_it * toward_it < 4.0 * pixel * (ray.reach + hit.k) * abs(bend)) ||
+                 (abs(spot.t) < step && abs(fold) > 0.3 * toward_it);
+    sink_below(spot, deep, ray.reach + hit.k + onward, side);
   }
 #endif
   spot.beyond = part.beyond;
-  spot.on = part.beyond ? on : within && !(buried && part.size.x * part.size.y < 1.0);
-  spot.buried = buried;
-  spot.approaches = approaches || (on && !spot.on && hit.k > ray.k.y);
-  spot.crest = crest;
-  spot.h = lift + above;
+  spot.on = (crest && spot.seen > 0.0) || (part.beyond ? search.met : within);
+  spot.h = lift + search.above;
   return spot;
 }
 #endif
@@ -470,10 +500,13 @@ float clear_of(Spot spot, int border, float reach, float flip) {
 // Is a dash's end that the pixel shows askew in it? Parts across and along are multiplied, as if each were spread alike
 // over the other: off by up to their correlation.
 bool ends_askew(Mark mark, float over, Spot spot) {
-  float dash = marking_dash(height.w + spot.s + mark.phase, max(mark.on + mark.off, 1e-3), mark.on, spot.s_step.x, spot.s_step.y);
-  float band = clamp(over / max(dash, 1e-6), 0.0, 1.0);
   float slant = abs(dot(spot.s_step, spot.t_step)) / max(length(spot.s_step) * length(spot.t_step), 1e-12);
-  return (slant + length(spot.w_step)) * sqrt(dash * (1.0 - dash) * band * (1.0 - band)) > 0.05;
+  float most = slant + length(spot.w_step);
+  if (most < 0.2) return false;
+  float dash = marking_dash(height.w + spot.s + mark.phase, max(mark.on + mark.off, 1e-3), mark.on, spot.s_step.x,
+                            spot.s_step.y);
+  float band = clamp(over / max(dash, 1e-6), 0.0, 1.0);
+  return most * sqrt(dash * (1.0 - dash) * band * (1.0 - band)) > 0.05;
 }
 
 // The strips from the eye's side to the far one. What is nearer hides what is farther: `open` is the part of the pixel
@@ -597,18 +630,17 @@ Pixel underside(Spot spots[SPOTS], Look looks[SPOTS]) {
   return pixel;
 }
 
-// Parts, right and up, each about as long as wide on the road; near a crest sixteen, one above the other, or where the
-// picture leans, beside. Paint has more corners than dashes have.
+// Parts, right and up, each about as long as wide on the road. Paint has more corners than dashes have.
 ivec2 division(Spot spot) {
   float across = length(vec2(spot.s_step.x, spot.t_step.x));
   float upward = length(vec2(spot.s_step.y, spot.t_step.y));
   float ratio = max(across, upward) / max(min(across, upward), 1e-9);
 #ifdef DETAILED
-  int few = spot.crest || ratio > 8.0 ? 1 : (ratio > 2.0 ? 2 : 4);
+  int few = ratio > 8.0 ? 1 : (ratio > 2.0 ? 2 : 4);
   int many = 16 / few;
 #else
-  int few = spot.crest || ratio > 4.0 ? 1 : 2;
-  int many = (spot.crest ? 16 : 8) / few;
+  int few = ratio > 4.0 ? 1 : 2;
+  int many = 8 / few;
 #endif
   return upward > across ? ivec2(few, many) : ivec2(many, few);
 }
@@ -616,12 +648,30 @@ ivec2 division(Spot spot) {
 // What a part of the pixel shows.
 struct Sight {
   Pixel pixel;
-  bool leaves;  // the ray leaves the segment over a joint, on its way to the road
-  bool buried;  // it has met the road before the segment
-  ivec2 parts;  // in which it is better taken, right and up
+  float seen;   // part of it below the silhouette of the crest; 0 where it misses the road
+  ivec2 parts;  // in which it is better taken, right and up; 0: none
+  Part within;  // what they divide: where the crest is
 };
 
-Sight no_sight() { return Sight(no_pixel(), false, false, ivec2(0)); }
+Sight no_sight() { return Sight(no_pixel(), 0.0, ivec2(0), WHOLE); }
+
+// Near a crest what is seen is the pixel's strip below it, and changes fast toward it.
+void take_in_parts(inout Sight sight, Spot spot, bool rough) {
+  if (rough) sight.parts = division(spot);
+  float pixel = abs(spot.sink.x) + abs(spot.sink.y);
+  if (spot.deep > 2.0 * pixel) return;
+  bool lies = abs(spot.sink.x) > abs(spot.sink.y);  // to its side
+  if (sight.parts.x == 0) sight.parts = lies ? ivec2(8, 1) : ivec2(1, 8);
+  sight.within.last = spot.crest;
+  float hidden = 1.0 - spot.seen;
+  if (lies) {
+    sight.within.size.x = spot.seen;
+    sight.within.at.x = 0.5 * sign(spot.sink.x) * hidden;
+  } else {
+    sight.within.size.y = spot.seen;
+    sight.within.at.y = 0.5 * sign(spot.sink.y) * hidden;
+  }
+}
 
 // looks: those of the whole pixel serve all its parts.
 Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
@@ -630,22 +680,17 @@ Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
 #ifdef RELIEF
   Ray ray = eye_ray(r, part.at);
   if (!(ray.wide.x <= ray.wide.y)) return sight;
+#ifndef CHANNELS
+  if (!part.beyond && behind_ground(ray)) return sight;
+#endif
 #ifdef DETAILED
   int levels = int(section_row(ids.y).y);
   for (int i = 0; i < levels; ++i) spots[i] = intersect(r, ray, section_row(ids.y + 1u)[i], part);
 #else
   spots[0] = intersect(r, ray, 0.0, part);
 #endif
-  sight.leaves = spots[0].approaches;
-  sight.buried = spots[0].buried;
 #ifndef DETAILED
-  if (!spots[0].on) {
-    // A neighbour's, but for what parts of the pixel may see.
-#ifndef CHANNELS
-    if (spots[0].crest) sight.parts = division(spots[0]);
-#endif
-    return sight;
-  }
+  if (!spots[0].on) return sight;  // a neighbour's
 #endif
 #else
   // Where the part's ray meets the segment's plane.
@@ -663,6 +708,7 @@ Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
                                     linear.z + road_gamma(step.x, step.y, r.a), p.x, p.y, r.a, r.b);
   spots[0] = spot_at(r, p, c, surface_s(c, p.x, p.y, r), position, part.size);
 #endif
+  sight.seen = spots[0].seen;
   bool from_below = dot(spots[0].normal, spots[0].position) > 0.0;
   if (from_below) spots[0].normal = -spots[0].normal;
   if (!part.beyond) {
@@ -684,7 +730,7 @@ Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
   pixel.color *= open;
   pixel.coverage *= open;
 #ifndef CHANNELS
-  if (spots[0].crest || (pixel.on && pixel.rough)) sight.parts = division(spots[0]);
+  take_in_parts(sight, spots[0], spots[0].rough || (pixel.on && pixel.rough));
 #endif
 #if defined(RELIEF) && !defined(CHANNELS)
   // One depth serves all samples of the pixel; the ground has one at each. The nearest that the road has within the
@@ -693,7 +739,7 @@ Sight look_through(RoadSurface r, Part part, inout Look looks[SPOTS]) {
   vec3 step_x = frame_footprint(spots[0].position, spots[0].normal, right.xyz) * part.size.x;
   vec3 step_y = frame_footprint(spots[0].position, spots[0].normal, up.xyz) * part.size.y;
   float spread = 0.5 * (abs(dot(step_x, forward.xyz)) + abs(dot(step_y, forward.xyz)));
-  if (!from_below) pixel.depth -= min(spread, 0.25 * pixel.depth);
+  if (!from_below) pixel.depth -= min(spread, (1.0 - kNearer) * pixel.depth);
 #endif
   sight.pixel = pixel;
   return sight;
@@ -717,38 +763,39 @@ void main() {
   Look looks[SPOTS];
   for (int i = 0; i < SPOTS; ++i) looks[i] = Look(vec3(0.0), vec2(0.0), FrameLight(vec3(0.0), vec3(0.0), 0.0));
   int parts = 0;
-  int hidden = 0;
+  float share = 0.0;
   for (int i = -1; i < parts; ++i) {
-    Part part = Part(vec2(0.0), vec2(1.0), false);
+    Part part = WHOLE;
     if (i >= 0) {
       part.size = 1.0 / vec2(whole.parts);
       part.at = (vec2(float(i % whole.parts.x), float(i / whole.parts.x)) + 0.5) * part.size - 0.5;
-      part.beyond = whole.pixel.on;
+      part.at = whole.within.at + part.at * whole.within.size;
+      part.size *= whole.within.size;
+      part.beyond = true;
+      part.last = whole.within.last;
     }
     Sight sight = look_through(r, part, looks);
     if (i < 0) {
       whole = sight;
-      pixel = sight.pixel;
       parts = sight.parts.x * sight.parts.y;
-      if (parts > 0) pixel = no_pixel();
-      continue;
+      pixel = sight.pixel;
+      share = 1.0;
+      if (parts > 0) {
+        pixel.color = vec3(0.0);
+        pixel.coverage = share = 0.0;
+      }
+    } else {
+      // What misses below a crest meets road that this segment does not know; else it looks past the road.
+      if (sight.seen == 0.0 && whole.within.last == 1e9) share += 1.0;
+      pixel.color += sight.seen * sight.pixel.color;
+      pixel.coverage += sight.seen * sight.pixel.coverage;
+      pixel.depth = min(pixel.depth, sight.pixel.depth);
+      pixel.on = pixel.on || sight.pixel.on;
+      share += sight.seen;
     }
-    if (!sight.pixel.on) {
-      if (!whole.pixel.on && sight.buried) hidden += 1;
-      if (!(whole.pixel.on && sight.leaves)) continue;
-      sight.pixel = whole.pixel;
-    }
-    pixel.color += sight.pixel.color;
-    pixel.coverage += sight.pixel.coverage;
-    pixel.depth = min(pixel.depth, sight.pixel.depth);
-    pixel.on = true;
   }
-  if (parts > 0) {
-    float share = 1.0 / float(max(parts - hidden, 1));
-    pixel.color *= share;
-    pixel.coverage *= share;
-    if (!whole.pixel.on && whole.leaves) pixel.depth *= 2.0;
-  }
+  pixel.color *= whole.seen / max(share, 1e-6);
+  pixel.coverage *= whole.seen / max(share, 1e-6);
   if (!(pixel.coverage > 0.0) || !pixel.on) discard;
 #ifdef CHANNELS
   out_road = pixel.road;

@@ -31,6 +31,7 @@ flat out vec4 superelevation;
 flat out vec4 crossfall;   // left at the start and its slope, right
 flat out vec4 box;
 flat out vec3 eye;         // in chord axes, metres from the start anchor
+flat out vec2 bends;       // the most that the surface bends along a line, 1/m; its fold at the reference line
 out vec3 point;            // likewise
 #else
 out vec2 chord_point;      // x, y in the chord frame
@@ -92,6 +93,22 @@ float steepening(vec2 left, vec2 right_fall) {
   vec2 fall = max(abs(left), abs(right_fall));
   float across = abs(in_superelevation.x) + dot(e, power) + max(fall.x, fall.y);
   return 1.5 * (along + across);
+}
+
+// A bound of surface_bend, for lines of any direction.
+float most_bend(vec2 left, vec2 right_fall) {
+  float chord = length(in_shape.xy);
+  float arc_m = in_arc.x;
+  vec3 e = abs(in_superelevation.yzw);
+  float side = max(-in_box.x, in_box.y) * chord;
+  float turn = max(abs(4.0 * in_shape.z + 2.0 * in_shape.w), abs(2.0 * in_shape.z + 4.0 * in_shape.w)) / chord;
+  vec2 fall = max(abs(left), abs(right_fall));
+  float aside = abs(in_superelevation.x) + dot(e, vec3(arc_m, arc_m * arc_m, arc_m * arc_m * arc_m)) + max(fall.x, fall.y);
+  float ahead = abs(in_height.x) + 2.0 * abs(in_height.y) * arc_m + 3.0 * abs(in_height.z) * arc_m * arc_m;
+  float twist = e.x + 2.0 * e.y * arc_m + 3.0 * e.z * arc_m * arc_m +
+                max(abs(left.y - left.x), abs(right_fall.y - right_fall.x)) / arc_m;
+  return 1.5 * (2.0 * abs(in_height.y) + 6.0 * abs(in_height.z) * arc_m + side * (2.0 * e.y + 6.0 * e.z * arc_m) +
+                2.0 * twist + (aside + 2.0 * ahead) * turn);
 }
 #endif
 
@@ -164,6 +181,7 @@ void main() {
   crossfall = vec4(left.x, (left.y - left.x) / in_arc.x, right_fall.x, (right_fall.y - right_fall.x) / in_arc.x);
   vec3 local = vec3(x * chord, y * chord, rise * x + (at_top ? box.w : box.z));
   point = local;
+  bends = vec2(most_bend(left, right_fall), dot(abs(left + right_fall), vec2(3.0)));
   eye = vec3(-dot(start.xy, axis), start.x * axis.y - start.y * axis.x, -start.z);
 #else
   vec3 local = vec3(x * chord, y * chord, rise * x);

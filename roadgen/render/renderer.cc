@@ -149,11 +149,12 @@ struct Renderer::State {
   std::vector<GroundBatch> ground;
   double ground_low_m = 0, ground_relief_m = 1;
   Lighting lighting;
-  RenderTarget drawn, resolved, channels;
+  RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
   void draw_scene(const Programs& programs, const Camera& camera, int width, int height, double least_contribution);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
+  void show_ground_to_roads();
   Status draw_channels(const Camera& camera, int width, int height);
 };
 
@@ -197,6 +198,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
     glBindVertexArray(batch.vertex_array.id());
     glDrawElements(GL_TRIANGLES, batch.indices, GL_UNSIGNED_INT, nullptr);
   }
+  if (&programs == &picture) show_ground_to_roads();
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
   programs.sky.use();
@@ -221,9 +223,22 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   glUseProgram(0);
 }
 
+// What pixels of roads cost is in finding them: those behind the ground had better be known before.
+void Renderer::State::show_ground_to_roads() {
+  const int samples = ground.empty() ? 0 : drawn.samples();
+  if (samples > 0) {
+    const GLenum target = samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE;
+    glCopyImageSubData(drawn.depth(), target, 0, 0, 0, 0, ground_depth.depth(), target, 0, 0, 0, 0, drawn.width(),
+                       drawn.height(), 1);
+    glBindTextureUnit(samples == 1 ? 2 : 3, ground_depth.depth());
+  }
+  for (const Program& program : picture.roads) glProgramUniform1i(program.id(), 0, samples);
+}
+
 Status Renderer::State::draw_picture(const Camera& camera, int width, int height, int samples) {
   if (Status s = ensure(drawn, width, height, samples, {GL_SRGB8_ALPHA8}, GL_DEPTH_COMPONENT32F); !s) return s;
   if (Status s = ensure(resolved, width, height, 1, {GL_SRGB8_ALPHA8}, 0); !s) return s;
+  if (Status s = ensure(ground_depth, width, height, samples, {}, GL_DEPTH_COMPONENT32F); !s) return s;
   drawn.bind();
   const float black[4] = {0, 0, 0, 1}, far[1] = {0};
   glClearBufferfv(GL_COLOR, 0, black);

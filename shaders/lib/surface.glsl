@@ -72,6 +72,22 @@ FN SurfaceSlope surface_beyond(IN(float) s, IN(float) n, IN(RoadSurface) r) {
   return z;
 }
 
+// Second change, per metre, of the height above the surface of a point that moves evenly: ds, dn its changes of s and n
+// per metre; turn: curvature of the reference line, 1/m, whose own change is left out.
+FN float surface_bend(IN(float) s, IN(float) n, IN(float) turn, IN(float) ds, IN(float) dn, IN(RoadSurface) r) {
+  float inside = clamp(s, float(0.0), r.arc);
+  SurfaceSlope z = surface_at(inside, n, r);
+  float e = road_cubic(inside, r.e0, r.e1, r.e2, r.e3);
+  float steep = 1.0 / (z.cosine * z.cosine);
+  float e1 = road_dcubic(inside, r.e1, r.e2, r.e3);
+  float e2 = 2.0 * r.e2 + 6.0 * r.e3 * inside;
+  float along = 2.0 * r.z2 + 6.0 * r.z3 * inside + n * steep * (e2 + 2.0 * e1 * e1 * sin(e) / z.cosine);
+  float twist = e1 * steep - (n > 0.0 ? r.left1 : -r.right1);
+  float room = max(1.0 - n * turn, float(0.05));
+  return -(along * ds * ds + 2.0 * twist * ds * dn - z.aside * turn * room * ds * ds +
+           z.ahead * 2.0 * turn * ds * dn / room);
+}
+
 struct RoadHit {
   float k;         // along the ray
   float x;         // chord frame
@@ -93,8 +109,8 @@ FN float surface_chord_plane(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
 }
 
 // The ray (x, y, z) + k (dx, dy, dz) at k against the surface: where that is, its height above the surface, and how fast
-// that changes with k (never 0, so that Newton's next step is k - above / climb). From equation 1, du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f''), and n changes with the part of
-// (dx, dy) across the tangent.
+// that changes with k (never 0, so that Newton's next step is k - above / climb). From equation 1,
+// du/dk = (dx + f' dy) / (1 + f'^2 - (y - f) f''), and n changes with the part of (dx, dy) across the tangent.
 FN RoadHit surface_step(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz, IN(float) k,
                         IN(RoadSurface) r, OUT(float) above, OUT(float) climb) {
   RoadHit hit;
@@ -119,56 +135,66 @@ FN RoadHit surface_step(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
   return hit;
 }
 
-// Where the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], meets the surface: Newton from k_start, kept inside
-// the interval.
-FN RoadHit surface_intersect(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
-                             IN(float) k_start, IN(float) k_low, IN(float) k_high, IN(RoadSurface) r) {
-  float above;
+// What becomes of a ray.
+struct RoadSearch {
+  RoadHit hit;   // where it meets the surface; else where it comes nearest, or the nearer end
+  float above;   // of the ray there, where it meets it only to within the tolerance 0
+  bool met;
+  bool crest;    // it does not, and comes nearest between the ends
+  float before;  // its height above the surface at the first end and the change of that, where they were asked for
   float climb;
-  RoadHit hit = surface_step(x, y, z, dx, dy, dz, clamp(k_start, k_low, k_high), r, above, climb);
-  for (int i = 0; i < 6; ++i) {
-    hit = surface_step(x, y, z, dx, dy, dz, clamp(hit.k - above / climb, k_low, k_high), r, above, climb);
-  }
-  return hit;
-}
+  float over_v;  // v where it would have met the surface before, by those
+};
 
-// Height of the ray above the surface at k.
-FN float surface_above(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz, IN(float) k,
-                       IN(RoadSurface) r) {
-  float px = x + k * dx;
-  float py = y + k * dy;
-  RoadCoord c = road_project(px, py, r.a, r.b);
-  return z + k * dz - surface_beyond(surface_s(c, px, py, r), c.v * r.chord, r).height;
-}
-
-// The same, whatever the ray: Newton from the plane through the chord, to a residual of a fiftieth of tolerance; where
-// that strays, since the ray runs nearly along the surface, again from within a short interval that halving finds; and
-// where such a ray misses, or meets the surface farther than limit (m) from the reference line, from the far end, since
-// it may meet it twice. All in one loop, so that no pixel pays for steps that none of its neighbours needs.
-// residual > tolerance: it does not meet it.
-FN RoadHit surface_find(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
-                        IN(float) k_low, IN(float) k_high, IN(float) tolerance, IN(float) limit, IN(RoadSurface) r) {
+// What the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], does, whatever the ray: Newton from the plane through
+// the chord, to a residual of a fiftieth of tolerance; where that strays, since the ray runs nearly along the surface,
+// again from within a short interval that halving finds; where such a ray misses, or meets the surface farther than
+// limit (m) from the reference line, from the far end, since it may meet it twice; and where it comes out of the surface
+// there, from between k_first and there, since it may have gone in before. Then, if asked to look, what it does in
+// [k_first, k_last]: for one that comes out of the surface, how it stands at k_first; for one that misses, where it
+// comes nearest, by false position on the change of its height, an end that stays twice halved (Illinois). All in one
+// loop, so that no pixel pays for steps that none of its neighbours needs, and with one text for all steps.
+FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
+                             IN(float) k_low, IN(float) k_high, IN(float) tolerance, IN(float) limit, IN(bool) look,
+                             IN(float) k_first, IN(float) k_last, IN(RoadSurface) r) {
+  const int kNewton = 0, kNearEnd = 1, kHalving = 2, kNewtonAgain = 3, kFromFarEnd = 4, kFirst = 5, kLast = 6,
+            kNearest = 7;
+  RoadSearch search;
+  search.met = search.crest = false;
+  search.above = search.before = search.climb = search.over_v = float(0.0);
   float low = k_low;
   float high = k_high;
   float k = surface_chord_plane(x, y, z, dx, dy, dz, r);
   bool along = abs(dz - road_cubic(r.arc, float(0.0), r.z1, r.z2, r.z3) * dx) < 0.03;
   RoadHit hit;
-  RoadHit other;  // what the run from the near end has found
+  // What an earlier run has found.
+  RoadHit other = RoadHit(k_low, float(0.0), float(0.0), float(0.0), float(0.0), float(0.0), float(1e9));
   float first = float(0.0);
-  int task = 0;  // 0 Newton, 1 the side at the near end, 2 halving, 3 Newton again, 4 Newton from the far end
+  float last = float(0.0);
+  float before = float(0.0);
+  bool leaves = false;  // there the ray comes out of the surface
+  int task = kNewton;
   int left = 7;  // steps left for it
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 48; ++i) {
     float above;
     float climb;
     hit = surface_step(x, y, z, dx, dy, dz, clamp(k, low, high), r, above, climb);
     left = left - 1;
     k = hit.k - above / climb;
-    if (task == 1) {
-      first = above;
-      task = 2;
-      left = 12;
-      k = 0.5 * (low + high);
-    } else if (task == 2) {
+    bool done = false;
+    if (task == kNearEnd) {
+      if (leaves && above <= 0.0) {
+        hit = other;
+        climb = float(1.0);
+        done = true;
+      } else {
+        leaves = false;
+        first = above;
+        task = kHalving;
+        left = 12;
+        k = 0.5 * (low + high);
+      }
+    } else if (task == kHalving) {
       if (above * first > 0.0) {
         low = hit.k;
       } else {
@@ -176,57 +202,86 @@ FN RoadHit surface_find(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(
       }
       k = left > 0 ? 0.5 * (low + high) : low;
       if (left == 0) {
-        task = 3;
+        task = kNewtonAgain;
         left = 7;
       }
+    } else if (task == kFirst) {
+      search.before = above;
+      search.climb = climb;
+      float df = road_df(hit.u, r.a, r.b);
+      search.over_v = hit.v - above / climb * (dy - df * dx) / sqrt(1.0 + df * df);
+      if (search.met) {
+        hit = other;
+        break;
+      }
+      other = hit;
+      task = kLast;
+      k = k_last;
+    } else if (task == kLast) {
+      float side = search.before < 0.0 ? float(-1.0) : float(1.0);
+      search.crest = side * search.climb < 0.0 && side * climb > 0.0;
+      search.above = above;
+      if (!search.crest) {
+        if (abs(search.before) < abs(above)) {
+          hit = other;
+          search.above = search.before;
+        }
+        break;
+      }
+      task = kNearest;
+      left = 8;
+      first = search.climb;
+      last = climb;
+      k = (low * last - high * first) / (last - first);
+    } else if (task == kNearest) {
+      bool again = climb * before > 0.0;
+      if (climb * first > 0.0) {
+        low = hit.k;
+        first = climb;
+        if (again) last = 0.5 * last;
+      } else {
+        high = hit.k;
+        last = climb;
+        if (again) first = 0.5 * first;
+      }
+      before = climb;
+      search.above = above;
+      if (left == 0) break;
+      k = (low * last - high * first) / (last - first);
     } else if (hit.residual <= 0.02 * tolerance || left == 0) {
       bool missed = hit.residual > tolerance;
-      if (task == 0 && missed) {
-        task = 1;
-        k = low;
-      } else if (task != 4 && along && (missed || r.chord * abs(hit.v) > limit)) {
+      leaves = task == kNewton && !missed && along && climb > 0.0 && hit.k > k_first;
+      if (task == kNewton && (missed || leaves)) {
         other = hit;
-        task = 4;
+        if (leaves) {
+          low = k_first;
+          high = hit.k;
+        }
+        task = kNearEnd;
+        k = low;
+      } else if (task != kFromFarEnd && along && (missed || r.chord * abs(hit.v) > limit)) {
+        other = hit;
+        task = kFromFarEnd;
         left = 7;
         low = k_low;
         high = k_high;
         k = high;
       } else {
-        break;
+        if (task == kFromFarEnd && !(hit.residual <= tolerance && abs(hit.v) < abs(other.v))) hit = other;
+        done = true;
       }
     }
-  }
-  if (task == 4 && !(hit.residual <= tolerance && abs(hit.v) < abs(other.v))) return other;
-  return hit;
-}
-
-// Where between k_low and k_high, at which its height above the surface has the changes climb_low < 0 < climb_high (or
-// the reverse), the ray comes nearest to the surface: false position on the change, an end that stays twice halved
-// (Illinois).
-FN RoadHit surface_nearest(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
-                           IN(float) k_low, IN(float) k_high, IN(float) climb_low, IN(float) climb_high,
-                           IN(RoadSurface) r) {
-  float low = k_low;
-  float high = k_high;
-  float first = climb_low;
-  float last = climb_high;
-  float before = float(0.0);
-  RoadHit hit;
-  for (int i = 0; i < 8; ++i) {
-    float above;
-    float climb;
-    hit = surface_step(x, y, z, dx, dy, dz, (low * last - high * first) / (last - first), r, above, climb);
-    bool again = climb * before > 0.0;
-    if (climb * first > 0.0) {
-      low = hit.k;
-      first = climb;
-      if (again) last = 0.5 * last;
-    } else {
-      high = hit.k;
-      last = climb;
-      if (again) first = 0.5 * first;
+    if (done) {
+      // Rays that touch a crest come no nearer.
+      search.met = hit.residual <= (hit.k > k_low && hit.k < k_high ? 10.0 : 1.0) * tolerance;
+      if (!look || !(k_first <= k_last) || (search.met && (climb < 0.0 || !(k_first > k_low)))) break;
+      other = hit;
+      task = kFirst;
+      k = k_first;
+      low = k_first;
+      high = k_last;
     }
-    before = climb;
   }
-  return hit;
+  search.hit = hit;
+  return search;
 }

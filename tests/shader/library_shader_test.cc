@@ -22,8 +22,8 @@ SHADER_CASE(Height, 19, 5, RoadSurface r = RoadSurface(x[1], x[2], x[3], x[4], x
 SHADER_CASE(Intersect, 23, 3,
             RoadSurface r = RoadSurface(x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14], x[15], x[16], x[17],
                                         x[18], x[19], x[20], x[21], x[22]);
-            float start = surface_chord_plane(x[0], x[1], x[2], x[3], x[4], x[5], r);
-            RoadHit h = surface_intersect(x[0], x[1], x[2], x[3], x[4], x[5], start, float(-40.0), float(0.0), r);
+            RoadHit h = surface_search(x[0], x[1], x[2], x[3], x[4], x[5], float(-40.0), float(0.0), float(1e-4),
+                                       float(1e3), false, float(0.0), float(0.0), r).hit;
             y[0] = h.k; y[1] = h.u; y[2] = h.v * r.chord;)
 SHADER_CASE(Step, 3, 1, y[0] = filter_step(x[0], x[1], x[2]);)
 SHADER_CASE(Dash, 3, 1, y[0] = marking_dash(x[0], float(9.0), float(3.0), x[1], x[2]);)
@@ -166,8 +166,8 @@ void corner_inputs(Random& random, double* x) {
 // Limits: about twice what llvmpipe measures.
 const FunctionCase kCases[] = {
     {"surface_height", Height, height_inputs, 1.7e-6},
-    {"surface_intersect", Intersect, ray_inputs, 4.6e-6,
-     28},  // z of metres over the sine of what banks leave of 25 degrees
+    {"surface_search", Intersect, ray_inputs, 9.7e-6,
+     43},  // stops at 2e-6 m of z, of metres; over the sine of what banks leave of 25 degrees
     {"filter_step", Step, uniform_inputs({{-2, 2}, {-1, 1}, {-1, 1}}), 1e-5, 64},       // divides by 0.02
     {"marking_dash", Dash, uniform_inputs({{0, 40}, {0.02, 20}, {0.02, 20}}), 3.1e-4},  // by 2 cm of 40 m
     {"marking_border", Border, uniform_inputs({{-1, 1}, {0, 40}, {-0.2, 0.2}, {-0.2, 0.2}, {-2, 2}, {-2, 2}}), 1e-3,
