@@ -99,8 +99,11 @@ std::uint32_t BoxTree::Builder::build(std::uint32_t begin, std::uint32_t end) {
   return static_cast<std::uint32_t>(tree.nodes_.size() - 1);
 }
 
-BoxTree::Walk::Walk(const BoxTree& tree, const Box& about, const SearchLimits& limits, const Memory& memory)
-    : tree_(&tree), memory_(memory), heights_(limits.heights), top_(0) {
+void BoxTree::Walk::begin(const BoxTree& tree, const Box& about, const SearchLimits& limits, const Memory& memory) {
+  tree_ = &tree;
+  memory_ = memory;
+  heights_ = limits.heights;
+  top_ = 0;
   for (int k = 0; k < 3; ++k) {
     low_[k] = below(about.low_m[k] - tree.origin_m_[k]);
     high_[k] = above(about.high_m[k] - tree.origin_m_[k]);

@@ -112,8 +112,8 @@ class BoxTree::Walk {
     std::size_t bytes = 0, count = 0;
   };
 
-  Walk() = default;
-  Walk(const BoxTree& tree, const Box& about, const SearchLimits& limits, const Memory& memory);
+  // Begins a search. Before the first there is nothing to be stepped.
+  void begin(const BoxTree& tree, const Box& about, const SearchLimits& limits, const Memory& memory);
   // An item to visit; kNode: nothing yet, go on; kDone.
   std::uint32_t step();
   // Takes lessened limits.
@@ -131,7 +131,8 @@ class BoxTree::Walk {
 
 template <class Visit>
 void BoxTree::search(const Box& about, const SearchLimits& limits, Visit&& visit) const {
-  Walk walk(*this, about, limits, {});
+  Walk walk;
+  walk.begin(*this, about, limits, {});
   for (std::uint32_t item = walk.step(); item != Walk::kDone; item = walk.step()) {
     if (item == Walk::kNode) continue;
     visit(item);

@@ -143,7 +143,9 @@ void RoadIndex::consider(Item item, Search& search) const {
   const Footprint& footprint = footprints_[item];
   const bool must_hold = search.order.cost_m <= kBeside_m;
   if (must_hold) {
-    const bool by_distance = !heights && kind_of(footprint) == search.order.kind;
+    // In one area all have one height.
+    const bool same_height = !heights || (footprint.area() >= 0 && footprint.area() == search.best.junction);
+    const bool by_distance = same_height && kind_of(footprint) == search.order.kind;
     if (!footprint.may_hold(flat, by_distance ? search.order.distance_m : kInfinity)) return;
   }
   const RoadPoint place = place_on(footprint, search, must_hold ? 0 : search.reach_m);
@@ -210,7 +212,8 @@ std::optional<RoadPoint> RoadIndex::find(glm::dvec3 point_m, bool heights, doubl
   if (!is_finite(point_m)) return {};
   Search search{point_m, reach_m, {.reach_m = reach_m, .heights = heights}};
   if (!hint || !find_from(*hint, search)) {
-    BoxTree::Walk walk = walk_of(search);
+    BoxTree::Walk walk;
+    begin(walk, search);
     for (Item item = walk.step(); item != BoxTree::Walk::kDone; item = walk.step()) {
       if (item == BoxTree::Walk::kNode) continue;
       consider(item, search);
@@ -222,8 +225,9 @@ std::optional<RoadPoint> RoadIndex::find(glm::dvec3 point_m, bool heights, doubl
   return found;
 }
 
-BoxTree::Walk RoadIndex::walk_of(const Search& search) const {
-  return {tree_, box_about(search.point_m), search.limits, {footprints_.data(), sizeof(Footprint), footprints_.size()}};
+void RoadIndex::begin(BoxTree::Walk& walk, const Search& search) const {
+  walk.begin(tree_, box_about(search.point_m), search.limits,
+             {footprints_.data(), sizeof(Footprint), footprints_.size()});
 }
 
 // Several walks in turn, each a step at a time: while one waits for memory the others go on.
@@ -246,7 +250,7 @@ void RoadIndex::find_all(std::span<const Point> points_m, double reach_m,
       if (is_finite(point)) {
         slot.place = next++;
         slot.search = {point, reach_m, {.reach_m = reach_m, .heights = heights}};
-        slot.walk = walk_of(slot.search);
+        begin(slot.walk, slot.search);
         return true;
       }
       found[next].reset();

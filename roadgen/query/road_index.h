@@ -118,7 +118,7 @@ class RoadIndex {
   std::optional<RoadPoint> find(glm::dvec3 point_m, bool heights, double reach_m, RoadHint* hint) const;
   template <class Point>
   void find_all(std::span<const Point> points_m, double reach_m, std::span<std::optional<RoadPoint>> found) const;
-  BoxTree::Walk walk_of(const Search& search) const;
+  void begin(BoxTree::Walk& walk, const Search& search) const;
   std::optional<RoadPoint> answer(Search& search) const;
   bool find_from(const RoadHint& hint, Search& search) const;
   void consider(Item item, Search& search) const;
