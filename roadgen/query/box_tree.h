@@ -13,6 +13,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "roadgen/query/large_pages.h"
+
 namespace roadgen {
 
 struct Box {
@@ -99,7 +101,7 @@ class BoxTree {
 
   glm::dvec3 origin_m_{0, 0, 0};
   std::uint32_t root_ = 0;
-  std::vector<Node> nodes_;
+  LargeVector<Node> nodes_;
 };
 
 class BoxTree::Walk {

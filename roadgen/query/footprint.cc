@@ -22,9 +22,11 @@ Value evaluate(const double* p, int degree, double u) {
   return v;
 }
 
-// The root between low and high, where `at` has values of different sign: Newton inside a shrinking bracket.
+// The root between low and high, where `at` has values of different sign: Newton inside a shrinking bracket, until a step
+// is below `enough`; the next would be of the order of its square.
+constexpr double kEnough = 1e-7;
 template <class At>
-double bracketed_root(double low, double high, double u, bool rising, At&& at) {
+double bracketed_root(double low, double high, double u, bool rising, double enough, At&& at) {
   for (int i = 0; i < 100; ++i) {
     const Value v = at(u);
     ((v.value > 0) == rising ? high : low) = u;
@@ -32,7 +34,7 @@ double bracketed_root(double low, double high, double u, bool rising, At&& at) {
     if (!(next >= low && next <= high)) next = 0.5 * (low + high);
     const double step = std::abs(next - u);
     u = next;
-    if (step < 1e-10) break;  // the next step would be of the order of its square
+    if (step < enough) break;
   }
   return u;
 }
@@ -48,8 +50,8 @@ int roots(const double* p, int degree, double* found) {
   for (int i = 0; i <= turns; ++i) {
     const double high = i < turns ? inner[i] : 1, at_high = evaluate(p, degree, high).value;
     if ((at_low < 0 && at_high >= 0) || (at_low > 0 && at_high <= 0)) {
-      found[count++] =
-          bracketed_root(low, high, 0.5 * (low + high), at_low < 0, [&](double u) { return evaluate(p, degree, u); });
+      found[count++] = bracketed_root(low, high, 0.5 * (low + high), at_low < 0, 1e-10,
+                                      [&](double u) { return evaluate(p, degree, u); });
     }
     low = high;
     at_low = at_high;
@@ -89,9 +91,6 @@ Footprint::Footprint(const Road& road, const Segment& segment, SegmentRef at, st
       area_(area),
       length_m_(segment.chord_length_m()),
       s_start_m_(segment.s_start_m),
-      arc_m_(segment.arc_m),
-      arc_c0_(segment.arc_c0),
-      arc_c1_(segment.arc_c1),
       left_m_(segment.left_m.c0),
       right_m_(segment.right_m.c0),
       at_(at),
@@ -100,6 +99,13 @@ Footprint::Footprint(const Road& road, const Segment& segment, SegmentRef at, st
       section_(&section_of(road, segment)) {
   const glm::dvec2 chord = segment.chord_m();
   axis_ = chord / glm::dot(chord, chord);
+  const double at_start = std::sqrt(1 + a_ * a_), at_end = std::sqrt(1 + b_ * b_), arc = segment.arc_m / length_m_;
+  const double c = segment.arc_c0 - 0.5 * segment.arc_c1, c1 = segment.arc_c1;
+  arc_[0] = length_m_ * at_start;
+  arc_[1] = length_m_ * (3 * arc - 2 * at_start - at_end + c);
+  arc_[2] = length_m_ * (at_start + at_end - 2 * arc - 2 * c + c1);
+  arc_[3] = length_m_ * (c - 2 * c1);
+  arc_[4] = length_m_ * c1;
   const double width = segment.max_half_width_m() / length_m_;
   const Cubic::Range f = curve_range(a_, b_);
   const double low = f.low - width - kTouch_m / length_m_, high = f.high + width + kTouch_m / length_m_;
@@ -143,7 +149,7 @@ RoadPoint Footprint::place_at(Local p, double u) const {
   const double n = (dy - dx * df) * scale;
   // Between the ends the foot is perpendicular and what is along is rounding only.
   const double along = u > 0 && u < 1 ? 0 : (dx + dy * df) * scale;
-  const double local_s = length_m_ * Lib::road_arc(u, a_, b_, arc_m_ / length_m_, arc_c0_, arc_c1_);
+  const double local_s = u < 1 ? arc(u) : segment_->arc_m;
   r.s_m = s_start_m_ + local_s;
   const double cosine = flags_ & kLevelAcross ? 1 : std::cos(segment_->superelevation_rad.value(local_s));
   const double left = flags_ & kConstantEdges ? left_m_ : segment_->left_m.value(local_s);
@@ -167,7 +173,7 @@ RoadPoint Footprint::locate(glm::dvec2 point_m) const {
     const double start = std::clamp(
         Lib::road_u1(Lib::road_alpha(p.y, a_, b_), Lib::road_beta(p.y, a_, b_), Lib::road_gamma(p.x, p.y, a_)), 0.0,
         1.0);
-    return place_at(p, bracketed_root(0, 1, start, false, [&](double u) {
+    return place_at(p, bracketed_root(0, 1, start, false, kEnough, [&](double u) {
                       const double d = p.y - Lib::road_f(u, a_, b_), df = Lib::road_df(u, a_, b_);
                       return Value{p.x - u + d * df, d * Lib::road_ddf(u, a_, b_) - df * df - 1};
                     }));
@@ -182,6 +188,26 @@ RoadPoint Footprint::locate(glm::dvec2 point_m) const {
     if (is_better(other, best)) best = other;
   }
   return best;
+}
+
+RoadPose Footprint::pose(const Road& road, double local_s_m, double t_m) const {
+  if (!(flags_ & kFlatAcross)) return pose_in(road, *segment_, local_s_m, t_m);
+  const double end = arc(1), s = std::clamp(local_s_m, 0.0, end);
+  const double u = s == 0 || s == end ? s / end : bracketed_root(0, 1, s / end, true, kEnough, [&](double at) {
+    return Value{arc(at) - s, arc_slope(at)};
+  });
+  const double df = Lib::road_df(u, a_, b_), steep2 = 1 + df * df;
+  const glm::dvec2 chord = axis_ * (length_m_ * length_m_), aside(-chord.y, chord.x), along = chord + aside * df;
+  const double length = length_m_ * std::sqrt(steep2);
+  const glm::dvec2 tangent = along / length, left(-tangent.y, tangent.x);
+  RoadPose pose;
+  pose.heading_rad = std::atan2(along.y, along.x);
+  pose.curvature_per_m = Lib::road_ddf(u, a_, b_) / (steep2 * length);
+  pose.position_m =
+      glm::dvec3(start_m_ + chord * u + aside * Lib::road_f(u, a_, b_) + left * t_m, elevation_m_.value(s));
+  const double slope = elevation_m_.slope(s);
+  if (slope != 0) lean(pose, tangent, tangent * grade_at(slope, t_m, pose.curvature_per_m));
+  return pose;
 }
 
 double Footprint::ground_m(const Road& road, const RoadPoint& place) const {

@@ -56,6 +56,9 @@ class alignas(64) Footprint {
   // Without height and lane. Accuracy: 1e-12 of the chord and the rounding of coordinates. Cost: O(1).
   RoadPoint locate(glm::dvec2 point_m) const;
 
+  // pose_in of this segment, to 1e-12 of its chord; local_s_m from its start, clamped to it.
+  RoadPose pose(const Road& road, double local_s_m, double t_m) const;
+
   // The height of the road at a place found by locate, at the carriageway's edge where it is beside.
   double ground_m(const Road& road, const RoadPoint& place) const;
 
@@ -71,6 +74,7 @@ class alignas(64) Footprint {
   std::int32_t area() const { return area_; }
   const LaneSection& section() const { return *section_; }
   const Segment& segment() const { return *segment_; }
+  double s_start_m() const { return s_start_m_; }
 
  private:
   enum Flags : std::uint32_t {
@@ -87,6 +91,11 @@ class alignas(64) Footprint {
     return {axis_.x * dx + axis_.y * dy, axis_.x * dy - axis_.y * dx};
   }
   RoadPoint place_at(Local p, double u) const;
+  // Arc length in metres at u, and its slope.
+  double arc(double u) const { return u * (arc_[0] + u * (arc_[1] + u * (arc_[2] + u * (arc_[3] + u * arc_[4])))); }
+  double arc_slope(double u) const {
+    return arc_[0] + u * (2 * arc_[1] + u * (3 * arc_[2] + u * (4 * arc_[3] + u * 5 * arc_[4])));
+  }
 
   // For may_hold.
   glm::dvec2 start_m_;
@@ -97,7 +106,8 @@ class alignas(64) Footprint {
   std::uint32_t flags_ = 0;
   // For the place.
   double length_m_;  // L
-  double s_start_m_, arc_m_, arc_c0_, arc_c1_;
+  double s_start_m_;
+  double arc_[5];  // L road_arc in powers of u, from the first
   double left_m_, right_m_;
   SegmentRef at_;
   Cubic elevation_m_;

@@ -372,15 +372,15 @@ std::size_t RoadIndex::bucket_of(std::uint32_t road, double s_m) const {
 
 // As segment_at, for s that is wrapped.
 std::size_t RoadIndex::segment_at_s(std::uint32_t road, double s_m) const {
-  const std::vector<Segment>& segments = network_->roads[road].segments;
-  const std::size_t count = segments.size(), bucket = bucket_of(road, s_m);
+  const Footprint* footprints = &footprints_[first_[road]];
+  const std::size_t count = segments_of(road), bucket = bucket_of(road, s_m);
   std::size_t low = buckets_[first_[road] + bucket];
-  while (low > 0 && segments[low].s_start_m > s_m) --low;  // by rounding of the bucket
+  while (low > 0 && footprints[low].s_start_m() > s_m) --low;  // by rounding of the bucket
   // Two buckets on, where rounding cannot matter.
   std::size_t high = bucket + 2 < count ? buckets_[first_[road] + bucket + 2] : count - 1;
   while (low < high) {
     const std::size_t middle = high - low > 3 ? high - (high - low) / 2 : low + 1;
-    if (segments[middle].s_start_m > s_m) {
+    if (footprints[middle].s_start_m() > s_m) {
       high = middle - 1;
     } else {
       low = middle;
@@ -402,12 +402,10 @@ double RoadIndex::wrapped_s_m(const RoadPlace& place) const {
 }
 
 RoadPose RoadIndex::pose_on(const RoadPlace& place, double s_m, std::size_t segment) const {
-  const Road& road = network_->roads[place.road];
-  RoadPose pose = pose_in(road, road.segments[segment], s_m - road.segments[segment].s_start_m, place.t_m);
-  if (road.junction.empty()) return pose;
-  const std::int32_t area = footprints_[first_[place.road] + segment].area();
-  if (area < 0) return pose;
-  const Area& ground = areas_[static_cast<std::size_t>(area)];
+  const Footprint& footprint = footprints_[first_[place.road] + segment];
+  RoadPose pose = footprint.pose(network_->roads[place.road], s_m - footprint.s_start_m(), place.t_m);
+  if (footprint.area() < 0) return pose;
+  const Area& ground = areas_[static_cast<std::size_t>(footprint.area())];
   const glm::dvec2 flat(pose.position_m);
   if (ground.holds(flat)) {
     stand_on_area(ground, flat, {std::cos(pose.heading_rad), std::sin(pose.heading_rad)}, pose);
@@ -433,12 +431,12 @@ void RoadIndex::to_world(std::span<const RoadPlace> places, std::span<RoadPose> 
       s[i] = wrapped_s_m(place);
       segment[i] = bucket_of(place.road, s[i]);
       prefetch(&buckets_[first_[place.road] + segment[i]], 1);
-      prefetch(&network_->roads[place.road].segments[segment[i]], sizeof(Segment));
+      prefetch(&footprints_[first_[place.road] + segment[i]], sizeof(Footprint));
     }
     for (std::size_t i = 0; i < count; ++i) {
       const RoadPlace& place = places[begin + i];
       segment[i] = segment_at_s(place.road, s[i]);
-      prefetch(&network_->roads[place.road].segments[segment[i]], sizeof(Segment));
+      prefetch(&footprints_[first_[place.road] + segment[i]], sizeof(Footprint));
     }
     for (std::size_t i = 0; i < count; ++i) poses[begin + i] = pose_on(places[begin + i], s[i], segment[i]);
   }
@@ -447,8 +445,8 @@ void RoadIndex::to_world(std::span<const RoadPlace> places, std::span<RoadPose> 
 RoadPose RoadIndex::pose(const RoadPoint& place, glm::dvec2 point_m) const {
   RoadPose pose;
   if (place.has_road()) {
-    const Segment& held = segment(place.at);
-    pose = pose_in(network_->roads[place.at.road], held, place.s_m - held.s_start_m, place.t_m);
+    const Footprint& footprint = footprints_[first_[place.at.road] + place.at.segment];
+    pose = footprint.pose(network_->roads[place.at.road], place.s_m - footprint.s_start_m(), place.t_m);
   }
   if (place.junction >= 0) {
     stand_on_area(areas_[static_cast<std::size_t>(place.junction)], point_m,

@@ -22,6 +22,7 @@
 #include "roadgen/query/area.h"
 #include "roadgen/query/box_tree.h"
 #include "roadgen/query/footprint.h"
+#include "roadgen/query/large_pages.h"
 #include "roadgen/road/network.h"
 
 namespace roadgen {
@@ -130,16 +131,16 @@ class RoadIndex {
   std::size_t list(glm::dvec3 point_m, bool heights, double reach_m, std::span<RoadPoint> found) const;
 
   const Network* network_;
-  std::vector<Footprint> footprints_;
+  LargeVector<Footprint> footprints_;
   std::vector<Item> first_;             // of each road's segments; one more than roads
   std::vector<double> buckets_per_m_;   // of each road
-  std::vector<std::uint32_t> buckets_;  // [first_[road] + k]: the segment at s = k / segments of the road's length
+  LargeVector<std::uint32_t> buckets_;  // [first_[road] + k]: the segment at s = k / segments of the road's length
   std::vector<Area> areas_;
   std::vector<std::vector<Item>> through_;  // each area: segments of the roads that lead through
   BoxTree tree_;
   // The items whose boxes overlap a segment's: overlaps_[overlap_first_[i]] to [overlap_first_[i + 1]].
-  std::vector<std::uint32_t> overlap_first_;
-  std::vector<Item> overlaps_;
+  LargeVector<std::uint32_t> overlap_first_;
+  LargeVector<Item> overlaps_;
 };
 
 template <class Visit>

@@ -61,7 +61,6 @@ RoadPose pose_at(const Road& road, double s_m, double t_m) {
 }
 
 RoadPose pose_in(const Road& road, const Segment& segment, double local_s_m, double t_m) {
-  constexpr double kLeast = 0.05;  // nearer to the centre of curvature slopes along the road mean nothing
   const double local = std::clamp(local_s_m, 0.0, segment.arc_m), u = u_at_arc(segment, local);
   const double a = segment.slope_start, b = segment.slope_end, df = Lib::road_df(u, a, b);
   const glm::dvec2 chord = segment.chord_m(), aside(-chord.y, chord.x), along = chord + aside * df;
@@ -78,7 +77,7 @@ RoadPose pose_in(const Road& road, const Segment& segment, double local_s_m, dou
   const double turn = t_m * std::tan(tilt) * segment.superelevation_rad.slope(local);
   const double ahead = surface.ahead + lanes.along + lanes.across * turn;
   const double across = surface.aside + lanes.across / surface.cosine;
-  lean(pose, tangent, tangent * (ahead / std::max(1 - n * pose.curvature_per_m, kLeast)) + left * across);
+  lean(pose, tangent, tangent * grade_at(ahead, n, pose.curvature_per_m) + left * across);
   return pose;
 }
 

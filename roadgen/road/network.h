@@ -1,6 +1,7 @@
 // Roads and the network: the data that import fills, that is written as OpenDRIVE, and that every other part reads.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,6 +69,12 @@ struct RoadPose {
   double grade = 0;            // tangent of the pitch: rise per metre travelled at this t
   glm::dvec3 normal{0, 0, 1};  // of the surface, unit, upward
 };
+
+// Rise per metre travelled at n_m to the left of a reference line whose height rises by `slope` per metre of its own.
+// Within 5 % of the radius around the centre of curvature, where it means nothing, as at that distance.
+inline double grade_at(double slope, double n_m, double curvature_per_m) {
+  return slope / std::max(1 - n_m * curvature_per_m, 0.05);
+}
 
 // Sets what the surface's gradient (dz/dx, dz/dy) decides: pitch, roll, grade and normal. tangent: unit, of the heading.
 void lean(RoadPose& pose, glm::dvec2 tangent, glm::dvec2 gradient);
