@@ -118,7 +118,7 @@ void BoxTree::Walk::limit(const SearchLimits& limits) {
   most_ = above(limits.cost_m * kRounding);
 }
 
-std::uint32_t BoxTree::Walk::step() {
+inline std::uint32_t BoxTree::Walk::advance() {
   constexpr auto kSame = static_cast<float>(kSameHeight_m), kBeside = static_cast<float>(kBeside_m);
   constexpr auto kPer2 = static_cast<float>(1.000001 / (kPerBeside * kPerBeside));
   if (top_ == 0) return kDone;
@@ -143,9 +143,10 @@ std::uint32_t BoxTree::Walk::step() {
   }
   // Into the stack, the nearest on top.
   const std::uint32_t bottom = top_;
-  for (std::uint32_t i = 0; i < node.count; ++i) {
+  const std::uint32_t all = (1u << node.count) - 1;
+  for (std::uint32_t near = ~(bits(far[0]) | bits(far[1]) << 4) & all; near != 0; near &= near - 1) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
     const std::uint32_t half = i / 4, lane = i % 4;
-    if (far[half][lane]) continue;
     const Waiting child{plane2[half][lane], gap[half][lane], node.child[i]};
     std::uint32_t place = top_++;
     for (; place > bottom && stack_[place - 1].plane2 + stack_[place - 1].gap < child.plane2 + child.gap; --place) {
@@ -160,6 +161,15 @@ std::uint32_t BoxTree::Walk::step() {
     }
   }
   return kNode;
+}
+
+std::uint32_t BoxTree::Walk::step() { return advance(); }
+
+std::uint32_t BoxTree::Walk::next() {
+  while (true) {
+    const std::uint32_t item = advance();
+    if (item != kNode) return item;
+  }
 }
 
 }  // namespace roadgen

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -73,6 +74,14 @@ class BoxTree {
   using Four = float __attribute__((vector_size(16)));
   using Fours = std::int32_t __attribute__((vector_size(16)));  // what comparing them gives: 0 or -1
   static Four greater(Four a, Four b) { return a > b ? a : b; }
+  // One bit for each that is -1.
+  static std::uint32_t bits(Fours a) {
+#if defined(__SSE__)
+    return static_cast<std::uint32_t>(__builtin_ia32_movmskps(std::bit_cast<Four>(a)));
+#else
+    return static_cast<std::uint32_t>((a[0] & 1) | (a[1] & 2) | (a[2] & 4) | (a[3] & 8));
+#endif
+  }
 
   struct alignas(64) Node {
     Four low[3][kWidth / 4];
@@ -118,10 +127,14 @@ class BoxTree::Walk {
   void begin(const BoxTree& tree, const Box& about, const SearchLimits& limits, const Memory& memory);
   // An item to visit; kNode: nothing yet, go on; kDone.
   std::uint32_t step();
+  // An item to visit; kDone.
+  std::uint32_t next();
   // Takes lessened limits.
   void limit(const SearchLimits& limits);
 
  private:
+  std::uint32_t advance();
+
   const BoxTree* tree_;
   Memory memory_;
   float low_[3], high_[3];
@@ -135,8 +148,7 @@ template <class Visit>
 void BoxTree::search(const Box& about, const SearchLimits& limits, Visit&& visit) const {
   Walk walk;
   walk.begin(*this, about, limits, {});
-  for (std::uint32_t item = walk.step(); item != Walk::kDone; item = walk.step()) {
-    if (item == Walk::kNode) continue;
+  for (std::uint32_t item = walk.next(); item != Walk::kDone; item = walk.next()) {
     visit(item);
     walk.limit(limits);
   }

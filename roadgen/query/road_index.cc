@@ -18,6 +18,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNoItem = 0xffffffffu;
 constexpr std::size_t kMostOverlaps = 64;  // a segment with more has no list
 constexpr int kHintSteps = 8;              // segments along the road
+constexpr std::size_t kCached = 8u << 20;  // an index of fewer bytes is mostly in a processor's cache
 
 bool is_finite(glm::dvec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
@@ -214,8 +215,7 @@ std::optional<RoadPoint> RoadIndex::find(glm::dvec3 point_m, bool heights, doubl
   if (!hint || !find_from(*hint, search)) {
     BoxTree::Walk walk;
     begin(walk, search);
-    for (Item item = walk.step(); item != BoxTree::Walk::kDone; item = walk.step()) {
-      if (item == BoxTree::Walk::kNode) continue;
+    for (Item item = walk.next(); item != BoxTree::Walk::kDone; item = walk.next()) {
       consider(item, search);
       walk.limit(search.limits);
     }
@@ -237,6 +237,10 @@ void RoadIndex::find_all(std::span<const Point> points_m, double reach_m,
   assert(points_m.size() == found.size());
   constexpr std::size_t kAtOnce = 8;
   constexpr bool heights = std::is_same_v<Point, glm::dvec3>;
+  if (bytes() < kCached) {
+    for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = to_road(points_m[i], reach_m);
+    return;
+  }
   struct Slot {
     std::size_t place;
     Search search;
