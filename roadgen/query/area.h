@@ -25,6 +25,7 @@ class Area {
   JunctionPoint ground_at(glm::dvec2 point_m) const {
     return level_ ? JunctionPoint{height_m_, {0, 0}} : height_at(surface_, point_m);
   }
+  double height_m(glm::dvec2 point_m) const { return level_ ? height_m_ : height_m_at(surface_, point_m); }
   const JunctionSurface& surface() const { return surface_; }
 
  private:

@@ -55,7 +55,7 @@ struct RoadIndex::Search {
     const Area& a = areas[static_cast<std::size_t>(asked)];
     area = asked;
     inside = a.holds(glm::dvec2(point_m));
-    if (inside && limits.heights) area_z_m = a.ground_at(glm::dvec2(point_m)).height_m;
+    if (inside && limits.heights) area_z_m = a.height_m(glm::dvec2(point_m));
     return inside;
   }
   void take(const Order& other, const RoadPoint& place) {

@@ -393,7 +393,8 @@ Lib::JunctionCorner surface_corner(const Segment& s, const JunctionArm& arm, con
           from.across, to.along, to.across, from.fall,          to.fall};
 }
 
-Lib::JunctionHeight local_height(const JunctionSurface& surface, glm::dvec2 p) {
+// Inline, so that the slopes cost nothing where they are not asked for.
+[[gnu::always_inline]] inline Lib::JunctionHeight local_height(const JunctionSurface& surface, glm::dvec2 p) {
   Lib::JunctionHeight h = Lib::junction_height_begin();
   for (const auto& cut : surface.cuts) h = Lib::junction_height_add_cut(h, p.x, p.y, cut);
   for (const auto& corner : surface.corners) h = Lib::junction_height_add_corner(h, p.x, p.y, corner);
@@ -556,6 +557,10 @@ bool is_inside(const JunctionSurface& surface, glm::dvec2 point_m) {
     if (Lib::junction_corner_crosses(p.y, px, py, c)) inside = !inside;
   }
   return inside;
+}
+
+double height_m_at(const JunctionSurface& surface, glm::dvec2 point_m) {
+  return surface.center_m.z + local_height(surface, point_m - glm::dvec2(surface.center_m)).z;
 }
 
 JunctionPoint height_at(const JunctionSurface& surface, glm::dvec2 point_m) {
