@@ -14,12 +14,14 @@
 #include "roadgen/import/opendrive.h"
 #include "roadgen/query/road_index.h"
 #include "tests/common/city.h"
+#include "tests/temporary_folder.h"
 #include "tests/unit/allocation_count.h"
 #include "tests/unit/terrain_scenes.h"
 
 namespace roadgen {
 namespace {
 
+using test::TemporaryFolder;
 using testing::hairpin_network;
 using testing::road_along;
 using testing::Station;
@@ -163,8 +165,7 @@ Network banked_bend_under_a_bridge() {
   return network;
 }
 
-// A road in which segments of a micrometre and less stand between long ones, one of them with a section of its own, and
-// a road beside it.
+// A road in which segments of a micrometre and less stand between long ones, and a road beside it.
 Network with_tiny_segments() {
   Network network;
   Road road;
@@ -192,6 +193,45 @@ Network with_tiny_segments() {
   return network;
 }
 
+// From a file with geometries and lane sections of a micrometre and less, as some editors write them.
+Network with_tiny_records() {
+  std::string geometry, sections;
+  double s = 0, x = -30, y = 20, heading = 0.2;
+  const auto text = [](double value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.17g", value);
+    return std::string(digits);
+  };
+  int i = 0;
+  for (const double length : {30.0, 1e-6, 45.0, 4e-7, 2.5e-6, 60.0, 1e-5, 15.0}) {
+    const double curvature = length > 1 ? 0.01 : 0.1, turn = curvature * length;
+    geometry += "<geometry s='" + text(s) + "' x='" + text(x) + "' y='" + text(y) + "' hdg='" + text(heading) +
+                "' length='" + text(length) + "'><arc curvature='" + text(curvature) + "'/></geometry>";
+    // Six metres to each side in one to three lanes.
+    const int lanes = 1 + i++ % 3;
+    const std::string width = "<width sOffset='0' a='" + text(6.0 / lanes) + "' b='0' c='0' d='0'/></lane>";
+    std::string left, right;
+    for (int k = 1; k <= lanes; ++k) {
+      left = "<lane id='" + std::to_string(k) + "' type='driving'>" + width + left;
+      right += "<lane id='-" + std::to_string(k) + "' type='driving'>" + width;
+    }
+    sections += "<laneSection s='" + text(s) + "'><left>" + left +
+                "</left><center><lane id='0' type='none'/></center><right>" + right + "</right></laneSection>";
+    s += length;
+    const double middle = heading + 0.5 * turn, chord = std::sin(0.5 * turn) * 2 / curvature;
+    x += chord * std::cos(middle);
+    y += chord * std::sin(middle);
+    heading += turn;
+  }
+  const TemporaryFolder folder;
+  auto read = read_opendrive(folder.put(
+      "tiny.xodr", "<OpenDRIVE><header revMajor='1' revMinor='7'/><road name='' id='tiny' junction='-1' length='" +
+                       text(s) + "'><planView>" + geometry + "</planView><lanes>" + sections +
+                       "</lanes></road></OpenDRIVE>"));
+  EXPECT_TRUE(read.ok()) << read.error().text();
+  return std::move(*read);
+}
+
 Network shared_map(const std::string& name) {
   const std::filesystem::path file =
       std::filesystem::path(ROADGEN_SOURCE_DIR) / "../shared/data/opendrive" / (name + ".xodr");
@@ -211,6 +251,7 @@ void PrintTo(const Case& c, std::ostream* stream) { *stream << c.name; }
 const Case kCases[] = {{"ring", ring, 20000},
                        {"banked", banked_bend_under_a_bridge, 20000},
                        {"tiny", with_tiny_segments, 20000},
+                       {"tiny_records", with_tiny_records, 20000},
                        {"hairpins", [] { return hairpin_network(0.08); }, 20000},
                        {"city", [] { return test::city({.blocks = 6, .hill_m = 9}); }, 20000},
                        // An index too large for a processor's cache: batches go another way.
@@ -509,11 +550,12 @@ TEST_P(RoundTrip, PosesAreTheSurfacesSlopes) {
 
 // ---- Single cases ----
 
-TEST(Query, TinySegmentsDoNotCaptureFarPoints) {
-  const Network network = with_tiny_segments();
+void expect_no_capture(const Network& network) {
   const RoadIndex index(network);
   std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> x(60, 260), y(0, 140);
+  const Bounds box = bounds(network);
+  std::uniform_real_distribution<double> x(box.low_m.x - 40, box.high_m.x + 40);
+  std::uniform_real_distribution<double> y(box.low_m.y - 40, box.high_m.y + 40);
   int compared = 0;
   for (int i = 0; i < 20000; ++i) {
     const glm::dvec2 p(x(random), y(random));
@@ -541,6 +583,11 @@ TEST(Query, TinySegmentsDoNotCaptureFarPoints) {
     }
   }
   EXPECT_GT(compared, 10000);
+}
+
+TEST(Query, TinySegmentsDoNotCaptureFarPoints) {
+  expect_no_capture(with_tiny_segments());
+  expect_no_capture(with_tiny_records());
 }
 
 TEST(Query, PlacesBeyondARoadAreItsEndsAndClosedRoadsWrap) {
