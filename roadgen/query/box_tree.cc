@@ -108,14 +108,9 @@ void BoxTree::Walk::begin(const BoxTree& tree, const Box& about, const SearchLim
     low_[k] = below(about.low_m[k] - tree.origin_m_[k]);
     high_[k] = above(about.high_m[k] - tree.origin_m_[k]);
   }
-  limit(limits);
-  if (!tree.nodes_.empty()) stack_[top_++] = {0, 0, tree.root_};
-}
-
-void BoxTree::Walk::limit(const SearchLimits& limits) {
-  constexpr double kRounding = 1 + 1e-6;  // of the sums and squares in single precision
   reach2_ = above(limits.reach_m * limits.reach_m * kRounding);
-  most_ = above(limits.cost_m * kRounding);
+  limit(limits.cost_m);
+  if (!tree.nodes_.empty()) stack_[top_++] = {0, 0, tree.root_};
 }
 
 inline std::uint32_t BoxTree::Walk::advance() {

@@ -129,10 +129,12 @@ class BoxTree::Walk {
   std::uint32_t step();
   // An item to visit; kDone.
   std::uint32_t next();
-  // Takes lessened limits.
-  void limit(const SearchLimits& limits);
+  // Takes a lessened limit of the cost.
+  void limit(double cost_m) { most_ = above(cost_m * kRounding); }
 
  private:
+  static constexpr double kRounding = 1 + 1e-6;  // of the sums and squares in single precision
+
   std::uint32_t advance();
 
   const BoxTree* tree_;
@@ -150,7 +152,7 @@ void BoxTree::search(const Box& about, const SearchLimits& limits, Visit&& visit
   walk.begin(*this, about, limits, {});
   for (std::uint32_t item = walk.next(); item != Walk::kDone; item = walk.next()) {
     visit(item);
-    walk.limit(limits);
+    walk.limit(limits.cost_m);
   }
 }
 

@@ -155,6 +155,7 @@ void RoadIndex::consider(Item item, Search& search) const {
 
 // The place on a road, with height; without a road where it is farther than reach_m.
 RoadPoint RoadIndex::place_on(const Footprint& footprint, Search& search, double reach_m) const {
+  prefetch(&footprint.section(), sizeof(LaneSection));  // for name_lane
   RoadPoint place = footprint.locate(glm::dvec2(search.point_m));
   if (place.outside_m > reach_m) return {};
   if (footprint.area() >= 0 && place.outside_m == 0 && search.is_inside(areas_, footprint.area())) {
@@ -217,7 +218,7 @@ std::optional<RoadPoint> RoadIndex::find(glm::dvec3 point_m, bool heights, doubl
     begin(walk, search);
     for (Item item = walk.next(); item != BoxTree::Walk::kDone; item = walk.next()) {
       consider(item, search);
-      walk.limit(search.limits);
+      walk.limit(search.limits.cost_m);
     }
   }
   const std::optional<RoadPoint> found = answer(search);
@@ -269,7 +270,7 @@ void RoadIndex::find_all(std::span<const Point> points_m, double reach_m,
       if (item == BoxTree::Walk::kNode) continue;
       if (item != BoxTree::Walk::kDone) {
         consider(item, slot.search);
-        slot.walk.limit(slot.search.limits);
+        slot.walk.limit(slot.search.limits.cost_m);
         continue;
       }
       found[slot.place] = answer(slot.search);
