@@ -122,27 +122,27 @@ inline std::uint32_t BoxTree::Walk::advance() {
   if (rest < 0 || at.plane2 > around * around * kPer2) return kNode;
   if (at.child & kItem) return at.child & ~kItem;
   const Node& node = tree_->nodes_[at.child];
-  Four plane2[2], gap[2] = {};
-  Fours far[2];
-  for (int half = 0; half < 2; ++half) {
-    const Four dx = greater(greater(node.low[0][half] - high_[0], low_[0] - node.high[0][half]), Four{});
-    const Four dy = greater(greater(node.low[1][half] - high_[1], low_[1] - node.high[1][half]), Four{});
-    plane2[half] = dx * dx + dy * dy;
+  Four plane2[kFours], gap[kFours] = {};
+  std::uint32_t far = 0;  // a bit for each
+  for (std::uint32_t four = 0; four < kFours; ++four) {
+    const Four dx = greater(greater(node.low[0][four] - high_[0], low_[0] - node.high[0][four]), Four{});
+    const Four dy = greater(greater(node.low[1][four] - high_[1], low_[1] - node.high[1][four]), Four{});
+    plane2[four] = dx * dx + dy * dy;
     if (heights_) {
-      const Four dz = greater(node.low[2][half] - high_[2], low_[2] - node.high[2][half]);
-      gap[half] = greater(dz - kSame, Four{});  // at least, whichever way the height is rounded
+      const Four dz = greater(node.low[2][four] - high_[2], low_[2] - node.high[2][four]);
+      gap[four] = greater(dz - kSame, Four{});  // at least, whichever way the height is rounded
     }
     // Whether height and distance together cost too much; without a root.
-    const Four left = most_ - gap[half], beside = greater(left - kBeside, Four{});
-    far[half] = (left < 0) | (plane2[half] > beside * beside * kPer2) | (plane2[half] > reach2_);
+    const Four left = most_ - gap[four], beside = greater(left - kBeside, Four{});
+    far |= bits((left < 0) | (plane2[four] > beside * beside * kPer2) | (plane2[four] > reach2_)) << (4 * four);
   }
   // Into the stack, the nearest on top.
   const std::uint32_t bottom = top_;
   const std::uint32_t all = (1u << node.count) - 1;
-  for (std::uint32_t near = ~(bits(far[0]) | bits(far[1]) << 4) & all; near != 0; near &= near - 1) {
+  for (std::uint32_t near = ~far & all; near != 0; near &= near - 1) {
     const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
-    const std::uint32_t half = i / 4, lane = i % 4;
-    const Waiting child{plane2[half][lane], gap[half][lane], node.child[i]};
+    const std::uint32_t four = i / 4, lane = i % 4;
+    const Waiting child{plane2[four][lane], gap[four][lane], node.child[i]};
     std::uint32_t place = top_++;
     for (; place > bottom && stack_[place - 1].plane2 + stack_[place - 1].gap < child.plane2 + child.gap; --place) {
       stack_[place] = stack_[place - 1];

@@ -1,7 +1,7 @@
 // A static tree of boxes: which of many boxes may be near a point.
 //
-// Every node holds up to eight boxes in single precision, relative to the middle of all and rounded outward, so that
-// nothing near is missed; a box is an inner node's or one item's own. Distances to the eight are taken side by side.
+// Every node holds up to 16 boxes in single precision, relative to the middle of all and rounded outward, so that
+// nothing near is missed; a box is an inner node's or one item's own. Distances to them are taken side by side.
 #pragma once
 
 #include <algorithm>
@@ -68,7 +68,8 @@ class BoxTree {
   class Walk;
 
  private:
-  static constexpr std::uint32_t kWidth = 8;
+  static constexpr std::uint32_t kWidth = 16;
+  static constexpr std::uint32_t kFours = kWidth / 4;
   static constexpr std::uint32_t kItem = 0x80000000u;  // in a child: not a node but an item
   // Side by side by the compiler's vectors (GCC, Clang), which every processor has in one form or another.
   using Four = float __attribute__((vector_size(16)));
@@ -84,8 +85,8 @@ class BoxTree {
   }
 
   struct alignas(64) Node {
-    Four low[3][kWidth / 4];
-    Four high[3][kWidth / 4];
+    Four low[3][kFours];
+    Four high[3][kFours];
     std::uint32_t child[kWidth];
     std::uint32_t count;
   };
@@ -93,8 +94,8 @@ class BoxTree {
     float plane2, gap;  // squared horizontal distance; what the vertical one costs
     std::uint32_t child;
   };
-  // Deep enough for 2^31 items: of each of 11 levels all but one child wait.
-  static constexpr std::size_t kStack = 11 * (kWidth - 1) + 1;
+  // Deep enough for 2^31 items: of each of 8 levels all but one child wait.
+  static constexpr std::size_t kStack = 8 * (kWidth - 1) + 1;
 
   struct Builder;
 
