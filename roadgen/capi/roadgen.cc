@@ -1,13 +1,16 @@
 #include "roadgen/capi/roadgen.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <exception>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "roadgen/import/opendrive.h"
 #include "roadgen/query/road_index.h"
@@ -57,7 +60,32 @@ roadgen_status guarded(Body&& body) {
   }
 }
 
-bool finite3(const double* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
+constexpr roadgen_road_point kNoRoad = {-1, -1, 0, 0, 0, 0, 0};
+
+// Points that are answered at once, on the stack.
+constexpr size_t kBlock = 64;
+
+glm::dvec3 point_at(const double* xyz) { return {xyz[0], xyz[1], xyz[2]}; }
+
+roadgen_road_point to_c(const roadgen::RoadPoint& point) {
+  return {point.has_road() ? static_cast<int64_t>(point.at.road) : -1,
+          point.junction,
+          point.lane,
+          point.s_m,
+          point.t_m,
+          point.height_m,
+          point.outside_m};
+}
+
+roadgen_pose to_c(const roadgen::RoadPose& pose) {
+  return {{pose.position_m.x, pose.position_m.y, pose.position_m.z},
+          pose.heading_rad,
+          pose.pitch_rad,
+          pose.roll_rad,
+          pose.curvature_per_m,
+          pose.grade,
+          {pose.normal.x, pose.normal.y, pose.normal.z}};
+}
 
 }  // namespace
 
@@ -91,22 +119,45 @@ double roadgen_road_length_m(const roadgen_network* network, size_t index) {
 
 roadgen_status roadgen_to_road(const roadgen_network* network, size_t count, const double* xyz, double reach_m,
                                roadgen_road_point* points) {
+  return roadgen_to_road_near(network, count, xyz, reach_m, nullptr, points, nullptr);
+}
+
+roadgen_status roadgen_to_road_near(const roadgen_network* network, size_t count, const double* xyz, double reach_m,
+                                    roadgen_hint* hint, roadgen_road_point* points, roadgen_pose* poses) {
   if (!network || (count > 0 && (!xyz || !points))) return fail(ROADGEN_USAGE_ERROR, "a pointer is NULL");
   if (!(reach_m >= 0)) return fail(ROADGEN_USAGE_ERROR, "reach_m must be 0 or more");
   return guarded([&] {
-    for (size_t i = 0; i < count; ++i) {
-      points[i] = {-1, -1, 0, 0, 0, 0, 0};
-      if (!finite3(xyz + 3 * i)) continue;
-      const auto found = network->index.to_road({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]}, reach_m);
-      if (!found) continue;
-      points[i] = {found->junction < 0 ? static_cast<int64_t>(found->at.road) : -1,
-                   found->junction,
-                   found->lane,
-                   found->s_m,
-                   found->t_m,
-                   found->height_m,
-                   found->outside_m};
+    roadgen::RoadHint near;
+    if (hint) near.at = {hint->road, hint->segment};
+    std::array<glm::dvec3, kBlock> asked;
+    std::array<std::optional<roadgen::RoadPoint>, kBlock> found;
+    for (size_t begin = 0; begin < count; begin += kBlock) {
+      const size_t block = std::min(kBlock, count - begin);
+      for (size_t i = 0; i < block; ++i) asked[i] = point_at(xyz + 3 * (begin + i));
+      network->index.to_road(std::span<const glm::dvec3>(asked).first(block), reach_m, std::span(found).first(block),
+                             hint ? &near : nullptr);
+      for (size_t i = 0; i < block; ++i) {
+        points[begin + i] = found[i] ? to_c(*found[i]) : kNoRoad;
+        if (!poses) continue;
+        poses[begin + i] = found[i] ? to_c(network->index.pose(*found[i], glm::dvec2(asked[i]))) : roadgen_pose{};
+      }
     }
+    if (hint) *hint = {near.at.road, near.at.segment};
+    return ROADGEN_OK;
+  });
+}
+
+roadgen_status roadgen_candidates(const roadgen_network* network, const double* xyz, double reach_m, size_t room,
+                                  roadgen_road_point* points, size_t* count) {
+  if (!network || !xyz || !count || (room > 0 && !points)) return fail(ROADGEN_USAGE_ERROR, "a pointer is NULL");
+  if (!(reach_m >= 0)) return fail(ROADGEN_USAGE_ERROR, "reach_m must be 0 or more");
+  *count = 0;
+  return guarded([&] {
+    std::array<roadgen::RoadPoint, kBlock> few;
+    std::vector<roadgen::RoadPoint> many(room > kBlock ? room : 0);
+    const std::span<roadgen::RoadPoint> found = room > kBlock ? std::span(many) : std::span(few).first(room);
+    *count = network->index.candidates(point_at(xyz), reach_m, found);
+    for (size_t i = 0; i < std::min(*count, room); ++i) points[i] = to_c(found[i]);
     return ROADGEN_OK;
   });
 }
@@ -124,12 +175,16 @@ roadgen_status roadgen_to_world(const roadgen_network* network, size_t count, co
       if (!std::isfinite(s_m[i]) || !std::isfinite(t_m[i])) {
         return fail(ROADGEN_USAGE_ERROR, "s and t must be finite numbers");
       }
-      const auto pose = roadgen::pose_at(network->network.roads[static_cast<size_t>(road[i])], s_m[i], t_m[i]);
-      poses[i] = {{pose.position_m.x, pose.position_m.y, pose.position_m.z},
-                  pose.heading_rad,
-                  pose.pitch_rad,
-                  pose.roll_rad,
-                  pose.curvature_per_m};
+    }
+    std::array<roadgen::RoadPlace, kBlock> places;
+    std::array<roadgen::RoadPose, kBlock> found;
+    for (size_t begin = 0; begin < count; begin += kBlock) {
+      const size_t block = std::min(kBlock, count - begin);
+      for (size_t i = 0; i < block; ++i) {
+        places[i] = {static_cast<uint32_t>(road[begin + i]), s_m[begin + i], t_m[begin + i]};
+      }
+      network->index.to_world(std::span(places).first(block), std::span(found).first(block));
+      for (size_t i = 0; i < block; ++i) poses[begin + i] = to_c(found[i]);
     }
     return ROADGEN_OK;
   });

@@ -6,7 +6,8 @@
  * Frames and units: metres, right-handed ENU (x east, y north, z up); s along a road from its start, t to the left.
  * Errors: every function that can fail returns a roadgen_status; the text is kept per thread (roadgen_last_error).
  * Nothing is thrown across this interface. Threads: a handle may be used by one thread at a time; queries
- * (roadgen_to_road, roadgen_to_world) on one network may run in many threads at once.
+ * (roadgen_to_road, roadgen_to_road_near, roadgen_candidates, roadgen_to_world) on one network may run in many threads
+ * at once.
  */
 #ifndef ROADGEN_CAPI_ROADGEN_H
 #define ROADGEN_CAPI_ROADGEN_H
@@ -54,25 +55,48 @@ ROADGEN_API double roadgen_road_length_m(const roadgen_network* network, size_t 
 /* ---- Queries ---- */
 
 typedef struct roadgen_road_point {
-  int64_t road;     /* index, or -1: in a junction's area, or no road within reach */
-  int64_t junction; /* index of the junction in whose area the point lies, or -1 */
-  int lane;         /* OpenDRIVE's id: positive to the left, negative to the right; 0 beside all lanes */
-  double s_m,
-      t_m; /* along, and to the left of, the reference line; in a junction metres east and north of its centre */
+  int64_t road;      /* index, or -1: no road within reach, or an area through which none leads */
+  int64_t junction;  /* index of the junction on whose area the point lies, or -1; the road is one that leads through */
+  int lane;          /* OpenDRIVE's id: positive to the left, negative to the right; 0 beside all lanes */
+  double s_m, t_m;   /* along, and to the left of, the road's reference line */
   double height_m;   /* of the asked point above the surface */
   double distance_m; /* horizontally to the carriageway: 0 on it */
 } roadgen_road_point;
 
 typedef struct roadgen_pose {
-  double position_m[3];
-  double heading_rad, pitch_rad, roll_rad;
-  double curvature_per_m;
+  double position_m[3];                    /* on the surface */
+  double heading_rad, pitch_rad, roll_rad; /* counter-clockwise from east; nose up; right side down */
+  double curvature_per_m;                  /* of the reference line, positive to the left */
+  double grade;                            /* rise per metre along the road: tan(pitch) */
+  double normal[3];                        /* of the surface, unit, upward */
 } roadgen_pose;
 
-/* World to road for `count` points xyz[3 * i]: the nearest road whose carriageway is within reach_m horizontally. */
+/* Where a series of queries is: makes the next one nearby several times as fast, and changes no answer. One for each
+ * vehicle, kept from frame to frame; not to be shared between threads. */
+typedef struct roadgen_hint {
+  uint32_t road, segment;
+} roadgen_hint;
+/* Of a series that begins: roadgen_hint hint = ROADGEN_HINT_NONE; */
+#define ROADGEN_HINT_NONE \
+  { 0xffffffffu, 0 }
+
+/* World to road for `count` points xyz[3 * i]: the road that each belongs to, of those whose carriageway is within
+ * reach_m (0 or more, may be infinite) of it horizontally: one that holds it, else the nearest; z tells a bridge from the
+ * road below. s and t are exact: roadgen_to_world gives the point back within a micrometre. A point that is not finite
+ * has no road. Does not allocate. */
 ROADGEN_API roadgen_status roadgen_to_road(const roadgen_network* network, size_t count, const double* xyz,
                                            double reach_m, roadgen_road_point* points);
-/* Road to world for `count` triples: road index, s, t. s is clamped to the road, wrapped where it is closed. */
+/* The same for points near one another, as the wheels of a vehicle: each is the hint of the next. hint is read and set;
+ * poses: of the surface at each point, all 0 where there is none; may be NULL, and so may hint. */
+ROADGEN_API roadgen_status roadgen_to_road_near(const roadgen_network* network, size_t count, const double* xyz,
+                                                double reach_m, roadgen_hint* hint, roadgen_road_point* points,
+                                                roadgen_pose* poses);
+/* All roads whose carriageway is within reach_m of the point xyz[0..2], best first in the order of roadgen_to_road, a road
+ * that passes twice twice: as many as `room`, and in *count how many there are. points may be NULL where room is 0. */
+ROADGEN_API roadgen_status roadgen_candidates(const roadgen_network* network, const double* xyz, double reach_m,
+                                              size_t room, roadgen_road_point* points, size_t* count);
+/* Road to world for `count` triples: road index, s, t; on a junction's area through which the road leads, on the area. s
+ * is clamped to the road, wrapped where it is closed. On an error no pose is written. Does not allocate. */
 ROADGEN_API roadgen_status roadgen_to_world(const roadgen_network* network, size_t count, const int64_t* road,
                                             const double* s_m, const double* t_m, roadgen_pose* poses);
 

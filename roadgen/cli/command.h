@@ -53,6 +53,7 @@ class ProgressLine {
 int run_import(const Arguments& arguments);
 int run_info(const Arguments& arguments);
 int run_check(const Arguments& arguments);
+int run_query(const Arguments& arguments);
 int run_render(const Arguments& arguments);
 int run_fly(const Arguments& arguments);
 int run_export(const Arguments& arguments);

@@ -19,6 +19,7 @@ constexpr Command kCommands[] = {
     {"import", "measured centre lines to an OpenDRIVE network", roadgen::cli::run_import},
     {"info", "what a network holds, as JSON", roadgen::cli::run_info},
     {"check", "whether a network is sound, as JSON", roadgen::cli::run_check},
+    {"query", "world to road and road to world, as CSV", roadgen::cli::run_query},
     {"export", "a network as mesh (glTF) or lines (GeoJSON)", roadgen::cli::run_export},
     {"render", "one camera's picture and data channels", roadgen::cli::run_render},
     {"fly", "a video along a road", roadgen::cli::run_fly},

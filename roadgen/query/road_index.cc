@@ -1,138 +1,364 @@
 #include "roadgen/query/road_index.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
-#include <limits>
-#include <numeric>
+#include <compare>
+#include <string_view>
+#include <type_traits>
+#include <unordered_map>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace roadgen {
 namespace {
 
-constexpr std::uint32_t kLeafSize = 4;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t kNoItem = 0xffffffffu;
+constexpr std::size_t kMostOverlaps = 64;  // a segment with more has no list
+constexpr int kHintSteps = 8;              // segments along the road
+constexpr std::size_t kCached = 8u << 20;  // an index of fewer bytes is mostly in a processor's cache
+
+bool is_finite(glm::dvec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+// A road that is drawn, or one in an area. An area alone comes after both.
+int kind_of(const Footprint& footprint) { return footprint.area() < 0 ? 0 : 1; }
+constexpr int kAreaAlone = 2;
 
 }  // namespace
 
-RoadPoint locate(const Segment& segment, glm::dvec2 point_m) {
-  RoadPoint r;
-  // Between the end lines and within the width: on the carriageway, where the road function is the truth.
-  const glm::dvec2 p = to_chord(segment, point_m);
-  const double length = segment.chord_length_m(), a = segment.slope_start, b = segment.slope_end;
-  if (p.x + a * p.y >= 0 && p.x + b * p.y <= 1) {
-    const Lib::RoadCoord c = Lib::road_project(p.x, p.y, a, b);
-    const double local = arc_at(segment, c.u);
-    const double t = c.v * length / std::cos(segment.superelevation_rad.value(local));
-    if (t <= segment.left_m.value(local) && t >= segment.right_m.value(local)) {
-      r.u = c.u;
-      r.s_m = segment.s_start_m + local;
-      r.t_m = t;
-      r.distance_m = std::abs(c.v * length);
-      return r;
-    }
-  }
-  const Nearest foot = nearest(segment, point_m);
-  const double df = Lib::road_df(foot.u, a, b), local = arc_at(segment, foot.u);
-  const glm::dvec2 tangent = glm::dvec2(1, df) / std::sqrt(1 + df * df);
-  const glm::dvec2 away = (p - glm::dvec2(foot.u, Lib::road_f(foot.u, a, b))) * length;
-  r.u = foot.u;
-  r.s_m = segment.s_start_m + local;
-  const double n = tangent.x * away.y - tangent.y * away.x;
-  const double cosine = std::cos(segment.superelevation_rad.value(local));
-  r.t_m = n / cosine;
-  r.distance_m = foot.distance_m;
-  const double beside =
-      std::max({n - segment.left_m.value(local) * cosine, segment.right_m.value(local) * cosine - n, 0.0});
-  // Between the ends the foot is perpendicular and what is along is rounding only.
-  const bool at_end = foot.u <= 0 || foot.u >= 1;
-  r.outside_m = at_end ? std::hypot(glm::dot(tangent, away), beside) : beside;
-  return r;
-}
+// The order of to_road.
+struct RoadIndex::Order {
+  double cost_m = kInfinity;
+  int kind = kAreaAlone + 1;
+  double distance_m = kInfinity;
+  std::uint32_t item = kNoItem;
+  auto operator<=>(const Order&) const = default;
+};
 
-void RoadIndex::add_junctions() {
-  for (const Junction& junction : network_->junctions) {
-    JunctionSurface surface = junction_surface(junction);
-    const Box box{surface.center_m + surface.low_m, surface.center_m + surface.high_m};
-    const auto index = static_cast<std::uint32_t>(junctions_.size());
-    junction_cells_[cell(cell_of(box.low_m.x), cell_of(box.low_m.y))].push_back(index);
-    widest_junction_m_ = std::max({widest_junction_m_, box.high_m.x - box.low_m.x, box.high_m.y - box.low_m.y});
-    junctions_.push_back({box, std::move(surface)});
-  }
-}
+// One query under way.
+struct RoadIndex::Search {
+  glm::dvec3 point_m{0, 0, 0};
+  double reach_m = 0;
+  SearchLimits limits = {};
+  Order order = {};
+  RoadPoint best = {};
 
-// A junction's area counts where the point is inside, against roads that pass over or under it by height.
-void RoadIndex::consider_junctions(glm::dvec3 point_m, bool with_height, std::optional<RoadPoint>& best) const {
-  const glm::dvec2 flat(point_m);
-  visit_junctions(flat, 0, [&](std::uint32_t i, const JunctionSurface& surface) {
-    if (signed_distance_m(surface, flat) < 0) return;
-    RoadPoint r;
-    r.junction = static_cast<std::int32_t>(i);
-    r.s_m = point_m.x - surface.center_m.x;
-    r.t_m = point_m.y - surface.center_m.y;
-    if (with_height) r.height_m = point_m.z - height_at(surface, flat).height_m;
-    if (!best || std::abs(r.height_m) < std::hypot(best->outside_m, best->height_m) || best->outside_m > 0) best = r;
-  });
-}
+  // The area last asked for: whether it holds the point, and its height there.
+  std::int32_t area = -1;
+  bool inside = false;
+  double area_z_m = 0;
+
+  bool is_inside(const std::vector<Area>& areas, std::int32_t asked) {
+    if (asked == area) return inside;
+    const Area& a = areas[static_cast<std::size_t>(asked)];
+    area = asked;
+    inside = a.holds(glm::dvec2(point_m));
+    if (inside && limits.heights) area_z_m = a.height_m(glm::dvec2(point_m));
+    return inside;
+  }
+  void take(const Order& other, const RoadPoint& place) {
+    if (!(other < order)) return;
+    order = other;
+    best = place;
+    limits.cost_m = order.cost_m;
+  }
+};
 
 RoadIndex::RoadIndex(const Network& network) : network_(&network) {
-  add_junctions();
-  const std::vector<bool> in_area = roads_in_areas(network);
-  for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
-    if (in_area[road]) continue;
-    const auto& segments = network.roads[road].segments;
-    for (std::uint32_t i = 0; i < segments.size(); ++i) {
-      Bounds b = bounds(segments[i]);
-      const Cubic::Range lanes = lane_height_range_m(section_of(network.roads[road], segments[i]));
-      b.low_m.z += lanes.low;
-      b.high_m.z += lanes.high;
-      refs_.push_back({road, i});
-      boxes_.push_back({b.low_m, b.high_m});
+  std::vector<Box> boxes;
+  std::unordered_map<std::string_view, std::int32_t> area_of;
+  for (const Junction& junction : network.junctions) {
+    area_of.emplace(junction.id, static_cast<std::int32_t>(areas_.size()));
+    areas_.emplace_back(junction);
+  }
+  through_.resize(areas_.size());
+  const std::size_t count = network.segment_count();
+  footprints_.reserve(count);
+  buckets_.reserve(count);
+  boxes.reserve(count + areas_.size());
+  for (std::uint32_t r = 0; r < network.roads.size(); ++r) {
+    const Road& road = network.roads[r];
+    const auto found = road.junction.empty() ? area_of.end() : area_of.find(road.junction);
+    const std::int32_t area = found == area_of.end() ? -1 : found->second;
+    const std::size_t n = road.segments.size();
+    const auto first = static_cast<Item>(footprints_.size());
+    first_.push_back(first);
+    buckets_per_m_.push_back(n > 0 ? static_cast<double>(n) / road.length_m() : 0);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      footprints_.emplace_back(road, road.segments[i], SegmentRef{r, i}, area);
+      boxes.push_back(footprints_.back().bounds());
+      if (area >= 0) {
+        through_[static_cast<std::size_t>(area)].push_back(first + i);
+        const JunctionSurface& surface = areas_[static_cast<std::size_t>(area)].surface();
+        boxes.back().low_m.z = std::min(boxes.back().low_m.z, surface.center_m.z + surface.low_m.z);
+        boxes.back().high_m.z = std::max(boxes.back().high_m.z, surface.center_m.z + surface.high_m.z);
+      }
+      buckets_.push_back(static_cast<std::uint32_t>(
+          segment_at(road, road.length_m() * (static_cast<double>(i) / static_cast<double>(n)))));
     }
   }
-  if (refs_.empty()) return;
-  nodes_.reserve(refs_.size());
-  nodes_.emplace_back();
-  // Sorted by way of an order, since box and reference must move together.
-  std::vector<std::uint32_t> order(refs_.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const std::vector<SegmentRef> refs = refs_;
-  const std::vector<Box> boxes = boxes_;
-  struct Work {
-    std::uint32_t node, begin, end;
+  first_.push_back(static_cast<Item>(footprints_.size()));
+  for (const Area& area : areas_) {
+    const JunctionSurface& surface = area.surface();
+    boxes.push_back({surface.center_m + surface.low_m, surface.center_m + surface.high_m});
+  }
+  tree_ = BoxTree(boxes);
+  add_overlaps(boxes);
+}
+
+void RoadIndex::add_overlaps(const std::vector<Box>& boxes) {
+  overlap_first_.reserve(footprints_.size() + 1);
+  std::vector<Item> about;
+  for (Item item = 0; item < footprints_.size(); ++item) {
+    overlap_first_.push_back(static_cast<std::uint32_t>(overlaps_.size()));
+    about.clear();
+    tree_.search(boxes[item], {.reach_m = 0}, [&](Item other) {
+      if (other != item) about.push_back(other);
+    });
+    if (about.size() > kMostOverlaps) about.assign(1, kNoItem);
+    overlaps_.insert(overlaps_.end(), about.begin(), about.end());
+  }
+  overlap_first_.push_back(static_cast<std::uint32_t>(overlaps_.size()));
+}
+
+std::size_t RoadIndex::bytes() const {
+  return footprints_.capacity() * sizeof(Footprint) + tree_.bytes() +
+         4 * (first_.capacity() + buckets_.capacity() + overlap_first_.capacity() + overlaps_.capacity());
+}
+
+// ---- World to road ----
+
+void RoadIndex::consider(Item item, Search& search) const {
+  const glm::dvec2 flat(search.point_m);
+  const bool heights = search.limits.heights;
+  if (item >= footprints_.size()) {
+    RoadPoint place;
+    place.junction = static_cast<std::int32_t>(item - footprints_.size());
+    if (!search.is_inside(areas_, place.junction)) return;
+    if (heights) place.height_m = search.point_m.z - search.area_z_m;
+    search.take({height_cost_m(place.height_m), kAreaAlone, 0, item}, place);
+    return;
+  }
+  const Footprint& footprint = footprints_[item];
+  const bool must_hold = search.order.cost_m <= kBeside_m;
+  if (must_hold) {
+    // In one area all have one height.
+    const bool same_height = !heights || (footprint.area() >= 0 && footprint.area() == search.best.junction);
+    const bool by_distance = same_height && kind_of(footprint) == search.order.kind;
+    if (!footprint.may_hold(flat, by_distance ? search.order.distance_m : kInfinity)) return;
+  }
+  const RoadPoint place = place_on(footprint, search, must_hold ? 0 : search.reach_m);
+  if (place.has_road()) search.take(order_of(place), place);
+}
+
+// The place on a road, with height; without a road where it is farther than reach_m.
+RoadPoint RoadIndex::place_on(const Footprint& footprint, Search& search, double reach_m) const {
+  prefetch(&footprint.section(), sizeof(LaneSection));  // for name_lane
+  RoadPoint place = footprint.locate(glm::dvec2(search.point_m));
+  if (place.outside_m > reach_m) return {};
+  if (footprint.area() >= 0 && place.outside_m == 0 && search.is_inside(areas_, footprint.area())) {
+    place.junction = footprint.area();
+    if (search.limits.heights) place.height_m = search.point_m.z - search.area_z_m;
+  } else if (search.limits.heights) {
+    place.height_m = search.point_m.z - footprint.ground_m(network_->roads[place.at.road], place);
+  }
+  return place;
+}
+
+RoadIndex::Order RoadIndex::order_of(const RoadPoint& place) const {
+  const Item item = first_[place.at.road] + place.at.segment;
+  return {height_cost_m(place.height_m) + beside_cost_m(place.outside_m), kind_of(footprints_[item]), place.distance_m,
+          item};
+}
+
+void RoadIndex::name_lane(RoadPoint& place) const {
+  const LaneSection& section = footprints_[first_[place.at.road] + place.at.segment].section();
+  place.lane = lane_at(section, place.s_m - section.s_m, place.t_m);
+}
+
+// True where the answer is found: the segment about the hint holds the point, and is so near in height that only others
+// that hold it too can be better. These overlap it.
+bool RoadIndex::find_from(const RoadHint& hint, Search& search) const {
+  if (hint.at.road >= network_->roads.size() || hint.at.segment >= segments_of(hint.at.road)) return false;
+  const Road& road = network_->roads[hint.at.road];
+  const Item first = first_[hint.at.road], count = segments_of(hint.at.road);
+  Item segment = hint.at.segment;
+  const int way = footprints_[first + segment].beyond(glm::dvec2(search.point_m));
+  for (int step = 0, now = way; now != 0 && now == way; ++step) {
+    if (step == kHintSteps || (!road.closed && segment == (way < 0 ? 0 : count - 1))) return false;
+    segment = way < 0 ? (segment == 0 ? count : segment) - 1 : (segment + 1 == count ? 0 : segment + 1);
+    now = footprints_[first + segment].beyond(glm::dvec2(search.point_m));
+  }
+  const Item item = first + segment;
+  consider(item, search);
+  if (search.order.item != item || search.best.outside_m > 0 || !(search.order.cost_m < kBeside_m)) return false;
+  const std::uint32_t begin = overlap_first_[item], end = overlap_first_[item + 1];
+  if (end - begin == 1 && overlaps_[begin] == kNoItem) return false;
+  for (std::uint32_t i = begin; i < end; ++i) consider(overlaps_[i], search);
+  return true;
+}
+
+std::optional<RoadPoint> RoadIndex::answer(Search& search) const {
+  if (search.order.kind > kAreaAlone) return {};
+  if (search.order.kind == kAreaAlone) {
+    name_road_of_area(search);
+  } else {
+    name_lane(search.best);
+  }
+  return search.best;
+}
+
+std::optional<RoadPoint> RoadIndex::find(glm::dvec3 point_m, bool heights, double reach_m, RoadHint* hint) const {
+  if (!is_finite(point_m)) return {};
+  Search search{point_m, reach_m, {.reach_m = reach_m, .heights = heights}};
+  if (!hint || !find_from(*hint, search)) {
+    BoxTree::Walk walk;
+    begin(walk, search);
+    for (Item item = walk.next(); item != BoxTree::Walk::kDone; item = walk.next()) {
+      consider(item, search);
+      walk.limit(search.limits.cost_m);
+    }
+  }
+  const std::optional<RoadPoint> found = answer(search);
+  if (hint && found && found->has_road()) hint->at = found->at;
+  return found;
+}
+
+void RoadIndex::begin(BoxTree::Walk& walk, const Search& search) const {
+  walk.begin(tree_, box_about(search.point_m), search.limits,
+             {footprints_.data(), sizeof(Footprint), footprints_.size()});
+}
+
+// Several walks in turn, each a step at a time: while one waits for memory the others go on.
+template <class Point>
+void RoadIndex::find_all(std::span<const Point> points_m, double reach_m,
+                         std::span<std::optional<RoadPoint>> found) const {
+  assert(points_m.size() == found.size());
+  constexpr std::size_t kAtOnce = 8;
+  constexpr bool heights = std::is_same_v<Point, glm::dvec3>;
+  if (bytes() < kCached) {
+    for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = to_road(points_m[i], reach_m);
+    return;
+  }
+  struct Slot {
+    std::size_t place;
+    Search search;
+    BoxTree::Walk walk;
   };
-  std::vector<Work> work{{0, 0, static_cast<std::uint32_t>(order.size())}};
-  while (!work.empty()) {
-    const Work w = work.back();
-    work.pop_back();
-    Box all = boxes[order[w.begin]];
-    for (std::uint32_t i = w.begin; i < w.end; ++i) {
-      all.low_m = glm::min(all.low_m, boxes[order[i]].low_m);
-      all.high_m = glm::max(all.high_m, boxes[order[i]].high_m);
+  std::array<Slot, kAtOnce> slots;
+  std::size_t next = 0, active = 0;
+  const auto start = [&](Slot& slot) {
+    for (; next < points_m.size(); ++next) {
+      const glm::dvec3 point(points_m[next].x, points_m[next].y, heights ? points_m[next][heights ? 2 : 0] : 0);
+      if (is_finite(point)) {
+        slot.place = next++;
+        slot.search = {point, reach_m, {.reach_m = reach_m, .heights = heights}};
+        begin(slot.walk, slot.search);
+        return true;
+      }
+      found[next].reset();
     }
-    nodes_[w.node].box = all;
-    if (w.end - w.begin <= kLeafSize) {
-      nodes_[w.node].first = w.begin;
-      nodes_[w.node].count = w.end - w.begin;
-      continue;
+    return false;
+  };
+  while (active < kAtOnce && start(slots[active])) ++active;
+  while (active > 0) {
+    for (std::size_t i = 0; i < active; ++i) {
+      Slot& slot = slots[i];
+      const Item item = slot.walk.step();
+      if (item == BoxTree::Walk::kNode) continue;
+      if (item != BoxTree::Walk::kDone) {
+        consider(item, slot.search);
+        slot.walk.limit(slot.search.limits.cost_m);
+        continue;
+      }
+      found[slot.place] = answer(slot.search);
+      if (!start(slot) && i != --active) slot = slots[active];
     }
-    // Halved at the median along the longer side.
-    const int axis = all.high_m.x - all.low_m.x >= all.high_m.y - all.low_m.y ? 0 : 1;
-    const std::uint32_t middle = (w.begin + w.end) / 2;
-    std::nth_element(
-        order.begin() + w.begin, order.begin() + middle, order.begin() + w.end, [&](std::uint32_t i, std::uint32_t j) {
-          return boxes[i].low_m[axis] + boxes[i].high_m[axis] < boxes[j].low_m[axis] + boxes[j].high_m[axis];
-        });
-    const auto left = static_cast<std::uint32_t>(nodes_.size());
-    nodes_[w.node].first = left;
-    nodes_.resize(nodes_.size() + 2);
-    work.push_back({left, w.begin, middle});
-    work.push_back({left + 1, middle, w.end});
   }
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    refs_[i] = refs[order[i]];
-    boxes_[i] = boxes[order[i]];
+}
+
+// On a part of an area that no road through it holds: the nearest of them.
+void RoadIndex::name_road_of_area(Search& search) const {
+  RoadPoint& best = search.best;
+  double outside = kInfinity, distance = kInfinity;
+  for (const Item item : through_[static_cast<std::size_t>(best.junction)]) {
+    const RoadPoint place = footprints_[item].locate(glm::dvec2(search.point_m));
+    if (place.outside_m > outside || (place.outside_m == outside && place.distance_m >= distance)) continue;
+    outside = place.outside_m;
+    distance = place.distance_m;
+    best.at = place.at;
+    best.u = place.u;
+    best.s_m = place.s_m;
+    best.t_m = place.t_m;
+    best.distance_m = place.distance_m;
   }
+}
+
+std::optional<RoadPoint> RoadIndex::to_road(glm::dvec2 point_m, double reach_m, RoadHint* hint) const {
+  return find(glm::dvec3(point_m, 0), false, reach_m, hint);
+}
+
+std::optional<RoadPoint> RoadIndex::to_road(glm::dvec3 point_m, double reach_m, RoadHint* hint) const {
+  return find(point_m, true, reach_m, hint);
+}
+
+void RoadIndex::to_road(std::span<const glm::dvec2> points_m, double reach_m, std::span<std::optional<RoadPoint>> found,
+                        RoadHint* hint) const {
+  if (!hint) return find_all(points_m, reach_m, found);
+  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = to_road(points_m[i], reach_m, hint);
+}
+
+void RoadIndex::to_road(std::span<const glm::dvec3> points_m, double reach_m, std::span<std::optional<RoadPoint>> found,
+                        RoadHint* hint) const {
+  if (!hint) return find_all(points_m, reach_m, found);
+  for (std::size_t i = 0; i < points_m.size(); ++i) found[i] = to_road(points_m[i], reach_m, hint);
+}
+
+// ---- All roads in reach ----
+
+// False where a neighbour along the road is nearer to the point, and at a joint for one of the two.
+bool RoadIndex::is_nearest_place(const RoadPoint& place, glm::dvec2 point_m) const {
+  const Item first = first_[place.at.road], count = segments_of(place.at.road);
+  const Footprint& footprint = footprints_[first + place.at.segment];
+  const bool closed = network_->roads[place.at.road].closed;
+  const double from_end_m = (1 - place.u) * footprint.segment().arc_m;
+  if (place.u == 0 && footprint.beyond(point_m) < 0) return place.at.segment == 0 && !closed;
+  if (from_end_m > 2 * kTouch_m) return true;
+  // At the end: it is the next segment's place, but where the point lies between the two, outside a bent joint.
+  if (place.at.segment + 1 == count) return !closed || footprints_[first].beyond(point_m) < 0;
+  return footprints_[first + place.at.segment + 1].beyond(point_m) < 0;
+}
+
+std::size_t RoadIndex::list(glm::dvec3 point_m, bool heights, double reach_m, std::span<RoadPoint> found) const {
+  if (!is_finite(point_m)) return 0;
+  Search search{point_m, reach_m, {.reach_m = reach_m, .heights = heights}};
+  std::size_t count = 0;
+  tree_.search(box_about(point_m), search.limits, [&](Item item) {
+    if (item >= footprints_.size()) return;
+    const RoadPoint place = place_on(footprints_[item], search, reach_m);
+    if (!place.has_road() || !is_nearest_place(place, glm::dvec2(point_m))) return;
+    // Sorted in; what does not fit falls out at the end.
+    std::size_t held = std::min(count++, found.size());
+    const Order order = order_of(place);
+    std::size_t i = held;
+    while (i > 0 && order < order_of(found[i - 1])) --i;
+    if (i == found.size()) return;
+    held = std::min(held, found.size() - 1);
+    std::move_backward(found.begin() + i, found.begin() + held, found.begin() + held + 1);
+    found[i] = place;
+  });
+  for (RoadPoint& place : found.first(std::min(count, found.size()))) name_lane(place);
+  return count;
+}
+
+std::size_t RoadIndex::candidates(glm::dvec2 point_m, double reach_m, std::span<RoadPoint> found) const {
+  return list(glm::dvec3(point_m, 0), false, reach_m, found);
+}
+
+std::size_t RoadIndex::candidates(glm::dvec3 point_m, double reach_m, std::span<RoadPoint> found) const {
+  return list(point_m, true, reach_m, found);
 }
 
 std::vector<SegmentRef> RoadIndex::within(glm::dvec2 point_m, double reach_m) const {
@@ -141,71 +367,97 @@ std::vector<SegmentRef> RoadIndex::within(glm::dvec2 point_m, double reach_m) co
   return found;
 }
 
-std::optional<RoadPoint> RoadIndex::to_road(glm::dvec2 point_m, double reach_m) const {
-  return search(glm::dvec3(point_m, 0), false, reach_m);
+// ---- Road to world ----
+
+std::size_t RoadIndex::bucket_of(std::uint32_t road, double s_m) const {
+  const std::size_t count = segments_of(road);
+  const double part = s_m * buckets_per_m_[road];
+  return part > 0 ? std::min(static_cast<std::size_t>(part), count - 1) : 0;
 }
 
-std::optional<RoadPoint> RoadIndex::to_road(glm::dvec3 point_m, double reach_m) const {
-  return search(point_m, true, reach_m);
-}
-
-std::optional<RoadPoint> RoadIndex::search(glm::dvec3 point_m, bool with_height, double reach_m) const {
-  std::optional<RoadPoint> best = nearest_road(point_m, with_height, reach_m);
-  consider_junctions(point_m, with_height, best);
-  return best;
-}
-
-std::optional<RoadPoint> RoadIndex::nearest_road(glm::dvec3 point_m, bool with_height, double reach_m) const {
-  std::optional<RoadPoint> best;
-  if (nodes_.empty()) return best;
-  const glm::dvec2 flat(point_m);
-  double least2 = std::numeric_limits<double>::infinity();
-  // The least that any point of the box can cost; the first is of reach, the second of nearness.
-  const auto floor2 = [&](const Box& box, double plane2) {
-    if (!with_height) return plane2;
-    const double dz = std::max({box.low_m.z - point_m.z, point_m.z - box.high_m.z, 0.0});
-    return plane2 + dz * dz;
-  };
-  std::uint32_t stack[kStack];
-  int top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
-    const double plane2 = distance2(node.box, flat);
-    if (plane2 > reach_m * reach_m || floor2(node.box, plane2) > least2) continue;
-    if (node.count == 0) {
-      // The nearer child is looked at first.
-      const std::uint32_t near = distance2(nodes_[node.first].box, flat) <= distance2(nodes_[node.first + 1].box, flat)
-                                     ? node.first
-                                     : node.first + 1;
-      stack[top++] = node.first + node.first + 1 - near;
-      stack[top++] = near;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const double own2 = distance2(boxes_[i], flat);
-      if (own2 > reach_m * reach_m || floor2(boxes_[i], own2) > least2) continue;
-      const Segment& candidate = segment(refs_[i]);
-      RoadPoint r = locate(candidate, flat);
-      if (r.outside_m > reach_m) continue;
-      r.at = refs_[i];
-      if (with_height) {
-        const Road& road = network_->roads[refs_[i].road];
-        r.height_m = point_m.z - surface_height_m(road, candidate, r.s_m - candidate.s_start_m, r.t_m);
-      }
-      const double cost2 = r.outside_m * r.outside_m + r.height_m * r.height_m;
-      if (cost2 < least2 || (cost2 == least2 && best && r.distance_m < best->distance_m)) {
-        least2 = cost2;
-        best = r;
-      }
+// As segment_at, for s that is wrapped.
+std::size_t RoadIndex::segment_at_s(std::uint32_t road, double s_m) const {
+  const Footprint* footprints = &footprints_[first_[road]];
+  const std::size_t count = segments_of(road), bucket = bucket_of(road, s_m);
+  std::size_t low = buckets_[first_[road] + bucket];
+  while (low > 0 && footprints[low].s_start_m() > s_m) --low;  // by rounding of the bucket
+  // Two buckets on, where rounding cannot matter.
+  std::size_t high = bucket + 2 < count ? buckets_[first_[road] + bucket + 2] : count - 1;
+  while (low < high) {
+    const std::size_t middle = high - low > 3 ? high - (high - low) / 2 : low + 1;
+    if (footprints[middle].s_start_m() > s_m) {
+      high = middle - 1;
+    } else {
+      low = middle;
     }
   }
-  if (best) {
-    const Road& road = network_->roads[best->at.road];
-    const LaneSection& section = section_of(road, segment(best->at));
-    best->lane = lane_at(section, best->s_m - section.s_m, best->t_m);
+  return low;
+}
+
+void RoadIndex::stand_on_area(const Area& area, glm::dvec2 point_m, glm::dvec2 tangent, RoadPose& pose) const {
+  const JunctionPoint ground = area.ground_at(point_m);
+  pose.position_m = glm::dvec3(point_m, ground.height_m);
+  lean(pose, tangent, ground.gradient);
+}
+
+double RoadIndex::wrapped_s_m(const RoadPlace& place) const {
+  const Road& road = network_->roads[place.road];
+  if (!road.closed) return place.s_m;
+  return place.s_m - std::floor(place.s_m / road.length_m()) * road.length_m();
+}
+
+RoadPose RoadIndex::pose_on(const RoadPlace& place, double s_m, std::size_t segment) const {
+  const Footprint& footprint = footprints_[first_[place.road] + segment];
+  RoadPose pose = footprint.pose(network_->roads[place.road], s_m - footprint.s_start_m(), place.t_m);
+  if (footprint.area() < 0) return pose;
+  const Area& ground = areas_[static_cast<std::size_t>(footprint.area())];
+  const glm::dvec2 flat(pose.position_m);
+  if (ground.holds(flat)) {
+    stand_on_area(ground, flat, {std::cos(pose.heading_rad), std::sin(pose.heading_rad)}, pose);
   }
-  return best;
+  return pose;
+}
+
+RoadPose RoadIndex::to_world(const RoadPlace& place) const {
+  const double s = wrapped_s_m(place);
+  return pose_on(place, s, segment_at_s(place.road, s));
+}
+
+// Three steps of a block at a time: memory is asked for a step before it is read.
+void RoadIndex::to_world(std::span<const RoadPlace> places, std::span<RoadPose> poses) const {
+  assert(places.size() == poses.size());
+  constexpr std::size_t kBlock = 32;
+  std::array<double, kBlock> s;
+  std::array<std::size_t, kBlock> segment;
+  for (std::size_t begin = 0; begin < places.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, places.size() - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      const RoadPlace& place = places[begin + i];
+      s[i] = wrapped_s_m(place);
+      segment[i] = bucket_of(place.road, s[i]);
+      prefetch(&buckets_[first_[place.road] + segment[i]], 1);
+      prefetch(&footprints_[first_[place.road] + segment[i]], sizeof(Footprint));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const RoadPlace& place = places[begin + i];
+      segment[i] = segment_at_s(place.road, s[i]);
+      prefetch(&footprints_[first_[place.road] + segment[i]], sizeof(Footprint));
+    }
+    for (std::size_t i = 0; i < count; ++i) poses[begin + i] = pose_on(places[begin + i], s[i], segment[i]);
+  }
+}
+
+RoadPose RoadIndex::pose(const RoadPoint& place, glm::dvec2 point_m) const {
+  RoadPose pose;
+  if (place.has_road()) {
+    const Footprint& footprint = footprints_[first_[place.at.road] + place.at.segment];
+    pose = footprint.pose(network_->roads[place.at.road], place.s_m - footprint.s_start_m(), place.t_m);
+  }
+  if (place.junction >= 0) {
+    stand_on_area(areas_[static_cast<std::size_t>(place.junction)], point_m,
+                  {std::cos(pose.heading_rad), std::sin(pose.heading_rad)}, pose);
+  }
+  return pose;
 }
 
 }  // namespace roadgen

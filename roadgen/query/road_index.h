@@ -1,154 +1,164 @@
-// World to road: which road, and where along and across it, a point of the world belongs to.
+// World to road and road to world: which road, and where along and across it, a point belongs to; and back.
 //
-// A static tree of boxes over the footprints of all segments; roads in a junction's area are left out, since the area
-// is the ground there. On a carriageway the answer is the road function's own (project(), what the pixel shader
-// evaluates), so a query and the picture agree; beside it, the truly nearest point.
+//   const RoadIndex index(network);
+//   RoadHint hint;                                                    // of one vehicle, kept from frame to frame
+//   std::array<std::optional<RoadPoint>, 4> wheels;
+//   index.to_road(contact_points_m, 5, wheels, &hint);                // road, s, t, lane, height of every wheel
+//   RoadPose pose = index.to_world({.road = 3, .s_m = 120, .t_m = -1.75});
+//
+// Answers are exact: the foot of the perpendicular, in double, so that to_road(to_world(p)) is p. The pixel shader stops
+// after two Newton steps; the picture's t and s differ from a query's by at most the segment's v_bound_m() and
+// s_bound_m(), proven, 1e-4 of the half width by default.
+//
+// Roads in a junction's area (Road::junction) are found like all others, but the ground there is the area's: heights,
+// slopes and normals are its, and RoadPoint::junction names it.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <optional>
-#include <unordered_map>
-#include <utility>
+#include <span>
 #include <vector>
 
+#include "roadgen/query/area.h"
+#include "roadgen/query/box_tree.h"
+#include "roadgen/query/footprint.h"
+#include "roadgen/query/large_pages.h"
 #include "roadgen/road/network.h"
 
 namespace roadgen {
 
-// Which segment: network.roads[road].segments[segment].
-struct SegmentRef {
-  std::uint32_t road = 0;
-  std::uint32_t segment = 0;
-  bool operator==(const SegmentRef&) const = default;
-};
-
-// Where a point stands against a segment.
-struct RoadPoint {
+// Where the last query of one series ended: makes the next one nearby faster, never different. Starts without knowledge.
+// One per vehicle or wheel; not to be shared between threads. One of another index is harmless.
+struct RoadHint {
   SegmentRef at;
-  double u = 0;           // of the segment, [0, 1]
-  double s_m = 0;         // arc length along the road
-  double t_m = 0;         // across, in the tilted cross section, positive to the left
-  double distance_m = 0;  // from the reference line, horizontally
-  double outside_m = 0;   // from the carriageway, horizontally; 0 on it
-  double height_m = 0;    // of the point above the surface, raised lanes included; 0 where the query gave no height
-  int lane = 0;           // id of the lane there, left positive; 0 outside all lanes
-  // In the area of network.junctions[junction], else -1. There s_m and t_m are metres east and north of the junction's
-  // centre, as in the picture's road channel, and `at` means nothing.
-  std::int32_t junction = -1;
 };
 
-// How the point stands against one segment, however far away. Accuracy: on the carriageway |t - exact| is at most
-// segment.v_bound_m() and |s - exact| at most segment.s_bound_m(); elsewhere 1e-9 m and arc_error_m. Cost: O(1).
-RoadPoint locate(const Segment& segment, glm::dvec2 point_m);
+// A place on network.roads[road].
+struct RoadPlace {
+  std::uint32_t road = 0;
+  double s_m = 0;  // clamped to the road, wrapped where it is closed
+  double t_m = 0;  // left positive; beyond the edges the surface goes on as it slopes
+};
 
-// Immutable after construction: any number of threads may ask. No allocation per query but in within().
+// Immutable after construction: any number of threads may ask. No query allocates but within(). Memory: size() and
+// bytes().
 class RoadIndex {
  public:
   // Requires: the network stays where it is and unchanged while the index is used. Cost: O(n log n), n segments.
   explicit RoadIndex(const Network& network);
 
-  // The nearest place on a road whose carriageway is within reach_m of the point, horizontally; none where there is
-  // none. Of several roads at the point (reach 0: crossing, overlapping) the one with the smaller |t| is taken, or
-  // where a height is given, the one whose surface is nearest in height: nearest is what minimises
-  // hypot(outside_m, height_m), then distance_m. Requires: reach_m >= 0, may be infinite.
-  // Cost: O(log n) for roads that do not all overlap.
-  std::optional<RoadPoint> to_road(glm::dvec2 point_m, double reach_m) const;
-  std::optional<RoadPoint> to_road(glm::dvec3 point_m, double reach_m) const;
+  // The place of the point on the road that it belongs to: of all roads whose carriageway is within reach_m of it,
+  // horizontally, the one
+  //   1. that costs least: 0 where its carriageway holds the point, else 1 m and twice the distance from it; and, where a
+  //      height is given, the vertical distance from its surface in steps of 1 cm. So a bridge is told from the road
+  //      below, and a point on a road, up to 1 m above or below it, is never given to another road beside;
+  //   2. that is drawn, before those in a junction's area;
+  //   3. whose reference line is nearest, then the first in the network.
+  // None where there is none, or the point is not finite. Requires: reach_m >= 0, may be infinite.
+  // Accuracy: s and t to 1e-12 of the segment's chord and the rounding of coordinates; a point within kTouch_m of a
+  // carriageway is on it. hint: read and set; the answer does not depend on it.
+  // Cost: O(log n) for roads that do not all overlap; O(1) with a hint on the same road, not above 8 segments away.
+  std::optional<RoadPoint> to_road(glm::dvec2 point_m, double reach_m, RoadHint* hint = nullptr) const;
+  std::optional<RoadPoint> to_road(glm::dvec3 point_m, double reach_m, RoadHint* hint = nullptr) const;
 
-  // The segments whose footprint's box is within reach_m of the point, in no order; a superset of the segments whose
-  // carriageway is.
-  std::vector<SegmentRef> within(glm::dvec2 point_m, double reach_m) const;
+  // The same for many points: with a hint each is the hint of the next, as for the wheels of a vehicle; without one the
+  // searches run side by side, for points all over. Requires: as many answers as points.
+  void to_road(std::span<const glm::dvec2> points_m, double reach_m, std::span<std::optional<RoadPoint>> found,
+               RoadHint* hint = nullptr) const;
+  void to_road(std::span<const glm::dvec3> points_m, double reach_m, std::span<std::optional<RoadPoint>> found,
+               RoadHint* hint = nullptr) const;
 
-  // The same by call-back: visit(SegmentRef, const Segment&) for each, without allocation.
+  // All roads whose carriageway is within reach_m of the point: the places at which a cross section, or a road's end, is
+  // nearest to it, a road that passes twice twice. Best first in the order of to_road, as many as `found` holds. Returns
+  // how many there are. Requires: reach_m >= 0. Cost: O(log n + segments in reach), times found.size() at worst.
+  std::size_t candidates(glm::dvec2 point_m, double reach_m, std::span<RoadPoint> found) const;
+  std::size_t candidates(glm::dvec3 point_m, double reach_m, std::span<RoadPoint> found) const;
+
+  // The pose on what is driven on at a place: the road, or the junction's area through which it leads. Accuracy: as
+  // pose_at. Requires: place.road is an index of a road
+  // with segments; s and t finite. Cost: O(1), O(log n) where segments of a road differ much in length.
+  RoadPose to_world(const RoadPlace& place) const;
+  // The same for many. Requires: as many poses as places.
+  void to_world(std::span<const RoadPlace> places, std::span<RoadPose> poses) const;
+
+  // The pose of what is driven on at an answer of to_road for the point: in an area at the point itself, else at its s
+  // and t. Where the area has no road, heading and curvature are 0. Cost: O(1).
+  RoadPose pose(const RoadPoint& place, glm::dvec2 point_m) const;
+
+  // Calls visit(SegmentRef, const Segment&) for the segments that are drawn whose footprint's box is within reach_m of the
+  // point, in no order; and for some that are a little farther. Requires: finite point.
   template <class Visit>
   void visit_within(glm::dvec2 point_m, double reach_m, Visit&& visit) const;
+  std::vector<SegmentRef> within(glm::dvec2 point_m, double reach_m) const;
 
-  // Calls visit(index of the junction, const JunctionSurface&) for every junction whose bounds are within reach_m of
-  // the point, horizontally. Requires: reach_m finite. Cost: O(1 + (reach / 64 m)^2) and the junctions about.
+  // Likewise visit(index of the junction, const JunctionSurface&) for every junction area.
   template <class Visit>
   void visit_junctions(glm::dvec2 point_m, double reach_m, Visit&& visit) const;
 
   const Segment& segment(SegmentRef ref) const { return network_->roads[ref.road].segments[ref.segment]; }
   const Network& network() const { return *network_; }
-  std::size_t size() const { return refs_.size(); }
+  std::size_t size() const { return footprints_.size(); }  // segments
+  std::size_t bytes() const;
 
  private:
-  struct Box {
-    glm::dvec3 low_m, high_m;
-  };
-  struct Node {
-    Box box;
-    std::uint32_t first = 0;  // leaf: of refs_; inner: the left child, the right one after it
-    std::uint32_t count = 0;  // leaf: number of segments; inner: 0
-  };
-  static constexpr int kStack = 64;  // the tree is balanced, its depth at most log2(2^32)
+  // The tree's items are the segments, in the network's order, and after them the areas.
+  using Item = std::uint32_t;
 
-  std::optional<RoadPoint> nearest_road(glm::dvec3 point_m, bool with_height, double reach_m) const;
-  std::optional<RoadPoint> search(glm::dvec3 point_m, bool with_height, double reach_m) const;
-  // Squared horizontal distance of a point from a box; 0 inside.
-  static double distance2(const Box& box, glm::dvec2 p) {
-    const double dx = p.x < box.low_m.x ? box.low_m.x - p.x : (p.x > box.high_m.x ? p.x - box.high_m.x : 0);
-    const double dy = p.y < box.low_m.y ? box.low_m.y - p.y : (p.y > box.high_m.y ? p.y - box.high_m.y : 0);
-    return dx * dx + dy * dy;
-  }
+  struct Order;
+  struct Search;
 
-  // Junctions in square cells by the low corner of their bounds.
-  struct JunctionBox {
-    Box box;
-    JunctionSurface surface;
-  };
-  static constexpr double kCell_m = 64;
-  static std::int64_t cell(int x, int y) {
-    return (static_cast<std::int64_t>(x) << 32) ^ static_cast<std::uint32_t>(y);
-  }
-  static int cell_of(double x_m) { return static_cast<int>(std::floor(x_m / kCell_m)); }
-  void add_junctions();
-  void consider_junctions(glm::dvec3 point_m, bool with_height, std::optional<RoadPoint>& best) const;
+  static Box box_about(glm::dvec3 p) { return {p, p}; }
+  std::uint32_t segments_of(std::uint32_t road) const { return first_[road + 1] - first_[road]; }
+  std::size_t bucket_of(std::uint32_t road, double s_m) const;
+  std::size_t segment_at_s(std::uint32_t road, double s_m) const;
+  double wrapped_s_m(const RoadPlace& place) const;
+  RoadPose pose_on(const RoadPlace& place, double s_m, std::size_t segment) const;
+  void stand_on_area(const Area& area, glm::dvec2 point_m, glm::dvec2 tangent, RoadPose& pose) const;
+  void add_overlaps(const std::vector<Box>& boxes);
+
+  std::optional<RoadPoint> find(glm::dvec3 point_m, bool heights, double reach_m, RoadHint* hint) const;
+  template <class Point>
+  void find_all(std::span<const Point> points_m, double reach_m, std::span<std::optional<RoadPoint>> found) const;
+  void begin(BoxTree::Walk& walk, const Search& search) const;
+  std::optional<RoadPoint> answer(Search& search) const;
+  bool find_from(const RoadHint& hint, Search& search) const;
+  void consider(Item item, Search& search) const;
+  RoadPoint place_on(const Footprint& footprint, Search& search, double reach_m) const;
+  Order order_of(const RoadPoint& place) const;
+  void name_lane(RoadPoint& place) const;
+  void name_road_of_area(Search& search) const;
+  bool is_nearest_place(const RoadPoint& place, glm::dvec2 point_m) const;
+  std::size_t list(glm::dvec3 point_m, bool heights, double reach_m, std::span<RoadPoint> found) const;
 
   const Network* network_;
-  std::vector<JunctionBox> junctions_;
-  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> junction_cells_;
-  double widest_junction_m_ = 0;
-  std::vector<Node> nodes_;
-  std::vector<SegmentRef> refs_;
-  std::vector<Box> boxes_;  // of refs_
+  LargeVector<Footprint> footprints_;
+  std::vector<Item> first_;             // of each road's segments; one more than roads
+  std::vector<double> buckets_per_m_;   // of each road
+  LargeVector<std::uint32_t> buckets_;  // [first_[road] + k]: the segment at s = k / segments of the road's length
+  std::vector<Area> areas_;
+  std::vector<std::vector<Item>> through_;  // each area: segments of the roads that lead through
+  BoxTree tree_;
+  // The items whose boxes overlap a segment's: overlaps_[overlap_first_[i]] to [overlap_first_[i + 1]].
+  LargeVector<std::uint32_t> overlap_first_;
+  LargeVector<Item> overlaps_;
 };
 
 template <class Visit>
-void RoadIndex::visit_junctions(glm::dvec2 point_m, double reach_m, Visit&& visit) const {
-  if (junctions_.empty()) return;
-  const double back = reach_m + widest_junction_m_;
-  for (int x = cell_of(point_m.x - back); x <= cell_of(point_m.x + reach_m); ++x) {
-    for (int y = cell_of(point_m.y - back); y <= cell_of(point_m.y + reach_m); ++y) {
-      const auto at = junction_cells_.find(cell(x, y));
-      if (at == junction_cells_.end()) continue;
-      for (const std::uint32_t i : at->second) {
-        if (distance2(junctions_[i].box, point_m) <= reach_m * reach_m) visit(i, junctions_[i].surface);
-      }
+void RoadIndex::visit_within(glm::dvec2 point_m, double reach_m, Visit&& visit) const {
+  tree_.search(box_about(glm::dvec3(point_m, 0)), {.reach_m = reach_m}, [&](Item item) {
+    if (item < footprints_.size() && footprints_[item].area() < 0) {
+      visit(footprints_[item].at(), footprints_[item].segment());
     }
-  }
+  });
 }
 
 template <class Visit>
-void RoadIndex::visit_within(glm::dvec2 point_m, double reach_m, Visit&& visit) const {
-  if (nodes_.empty()) return;
-  const double reach2 = reach_m * reach_m;
-  std::uint32_t stack[kStack];
-  int top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
-    if (distance2(node.box, point_m) > reach2) continue;
-    if (node.count == 0) {
-      stack[top++] = node.first;
-      stack[top++] = node.first + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      if (distance2(boxes_[i], point_m) <= reach2) visit(refs_[i], segment(refs_[i]));
-    }
-  }
+void RoadIndex::visit_junctions(glm::dvec2 point_m, double reach_m, Visit&& visit) const {
+  tree_.search(box_about(glm::dvec3(point_m, 0)), {.reach_m = reach_m}, [&](Item item) {
+    if (item < footprints_.size()) return;
+    const Item i = item - static_cast<Item>(footprints_.size());
+    visit(i, areas_[i].surface());
+  });
 }
 
 }  // namespace roadgen

@@ -413,7 +413,8 @@ Lib::JunctionCorner surface_corner(const Segment& s, const JunctionArm& arm, con
           from.across, to.along, to.across, from.fall,          to.fall};
 }
 
-Lib::JunctionHeight local_height(const JunctionSurface& surface, glm::dvec2 p) {
+// Inline, so that the slopes cost nothing where they are not asked for.
+[[gnu::always_inline]] inline Lib::JunctionHeight local_height(const JunctionSurface& surface, glm::dvec2 p) {
   Lib::JunctionHeight h = Lib::junction_height_begin();
   for (const auto& cut : surface.cuts) h = Lib::junction_height_add_cut(h, p.x, p.y, cut);
   for (const auto& corner : surface.corners) h = Lib::junction_height_add_corner(h, p.x, p.y, corner);
@@ -560,6 +561,26 @@ JunctionSurface junction_surface(const Junction& junction) {
 
 double signed_distance_m(const JunctionSurface& surface, glm::dvec2 point_m) {
   return local_distance(surface, point_m - glm::dvec2(surface.center_m));
+}
+
+bool is_inside(const JunctionSurface& surface, glm::dvec2 point_m) {
+  const glm::dvec2 p = point_m - glm::dvec2(surface.center_m);
+  if (p.x < surface.low_m.x || p.y < surface.low_m.y || p.x > surface.high_m.x || p.y > surface.high_m.y) return false;
+  bool inside = false;
+  for (const Lib::JunctionCut& c : surface.cuts) {
+    const bool on_left = (p.y - c.y0) * (c.x1 - c.x0) - (p.x - c.x0) * (c.y1 - c.y0) > 0;
+    if (Lib::junction_crosses(p.y, c.y0, c.y1, on_left)) inside = !inside;
+  }
+  for (const Lib::JunctionCorner& c : surface.corners) {
+    const glm::dvec2 d(p.x - c.x0, p.y - c.y0);
+    const double px = (d.x * c.cx + d.y * c.cy) / c.chord, py = (d.y * c.cx - d.x * c.cy) / c.chord;
+    if (Lib::junction_corner_crosses(p.y, px, py, c)) inside = !inside;
+  }
+  return inside;
+}
+
+double height_m_at(const JunctionSurface& surface, glm::dvec2 point_m) {
+  return surface.center_m.z + local_height(surface, point_m - glm::dvec2(surface.center_m)).z;
 }
 
 JunctionPoint height_at(const JunctionSurface& surface, glm::dvec2 point_m) {

@@ -23,18 +23,18 @@ namespace roadgen {
 
 // The end of a road at a junction. Left and right are those of one who looks into the junction.
 struct JunctionArm {
-  std::string road;             // id
-  bool at_end = false;          // the road's end touches the junction, otherwise its start
+  std::string road;     // id
+  bool at_end = false;  // the road's end touches the junction, otherwise its start
   // Of the reference line at the cut, or of any other line of the road between its carriageway's edges; ENU.
   glm::dvec2 position_m{0, 0};
-  double heading_rad = 0;       // into the junction, counter-clockwise from east
-  double left_m = 3.5;          // lateral offset of the carriageway's left edge, >= 0
-  double right_m = -3.5;        // and of its right edge, <= 0, less than left_m
-  double elevation_m = 0;       // of the reference line at the cut
-  double grade = 0;             // dz per metre into the junction
-  double tilt = 0;              // dz per metre to the left: tangent of the superelevation
-  double crossfall_left = 0;    // slope falling outward from the reference line, on its left
-  double crossfall_right = 0;   // and on its right
+  double heading_rad = 0;      // into the junction, counter-clockwise from east
+  double left_m = 3.5;         // lateral offset of the carriageway's left edge, >= 0
+  double right_m = -3.5;       // and of its right edge, <= 0, less than left_m
+  double elevation_m = 0;      // of the reference line at the cut
+  double grade = 0;            // dz per metre into the junction
+  double tilt = 0;             // dz per metre to the left: tangent of the superelevation
+  double crossfall_left = 0;   // slope falling outward from the reference line, on its left
+  double crossfall_right = 0;  // and on its right
 };
 
 // The point of an arm's cut at lateral offset n_m, and the height of the arm's surface there.
@@ -98,6 +98,9 @@ JunctionSurface junction_surface(const Junction& junction);
 // also where the area is not convex; the distance is exact to first order at the boundary.
 double signed_distance_m(const JunctionSurface& surface, glm::dvec2 point_m);
 
+// Whether the area holds a point (ENU): the sign of signed_distance_m, at a fraction of its cost.
+bool is_inside(const JunctionSurface& surface, glm::dvec2 point_m);
+
 struct JunctionPoint {
   double height_m;      // ENU z of the surface
   glm::dvec2 gradient;  // dz/dx, dz/dy
@@ -106,5 +109,7 @@ struct JunctionPoint {
 // The surface at a point (ENU); it is defined in the whole plane, and meant for the area. At the cuts it differs from
 // the arm's surface by at most 1e-6 m^2 / d^2 of the heights about, d being the distance to other pieces.
 JunctionPoint height_at(const JunctionSurface& surface, glm::dvec2 point_m);
+// Its height alone, at half the cost.
+double height_m_at(const JunctionSurface& surface, glm::dvec2 point_m);
 
 }  // namespace roadgen

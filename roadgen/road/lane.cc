@@ -91,6 +91,22 @@ double lane_height_m(const LaneSection& section, double ds_m, double t_m) {
   return at.lane ? at.lane->inner_height_m + at.part * (at.lane->outer_height_m - at.lane->inner_height_m) : 0;
 }
 
+LaneSurface lane_surface(const LaneSection& section, double ds_m, double t_m) {
+  const Across at = find(section, ds_m, t_m);
+  if (!at.lane) return {};
+  const double rise = at.lane->outer_height_m - at.lane->inner_height_m;
+  if (rise == 0) return {at.lane->inner_height_m, 0, 0};
+  // The lane's inner border and its width change with s.
+  const double sign = at.id > 0 ? 1 : -1;
+  double border = sign * section.offset_m.slope(ds_m);
+  for (const Lane* lane = (at.id > 0 ? section.left : section.right).data(); lane != at.lane; ++lane) {
+    if (lane->width_m.value(ds_m) > 0) border += lane->width_m.slope(ds_m);
+  }
+  const double width = at.lane->width_m.value(ds_m);
+  return {at.lane->inner_height_m + at.part * rise, -(border + at.part * at.lane->width_m.slope(ds_m)) / width * rise,
+          sign / width * rise};
+}
+
 Cubic::Range lane_height_range_m(const LaneSection& section) {
   Cubic::Range range{0, 0};
   for (const auto* side : {&section.left, &section.right}) {

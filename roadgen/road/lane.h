@@ -109,6 +109,12 @@ int lane_at(const LaneSection& section, double ds_m, double t_m);
 // higher side. 0 outside all lanes. Source: OpenDRIVE 1.7, clause 11.7 (lane height), but vertical.
 double lane_height_m(const LaneSection& section, double ds_m, double t_m);
 
+// The same with its slopes, dh/ds and dh/dt.
+struct LaneSurface {
+  double height_m = 0, along = 0, across = 0;
+};
+LaneSurface lane_surface(const LaneSection& section, double ds_m, double t_m);
+
 // Least and greatest height of the section's lanes; 0 is in it.
 Cubic::Range lane_height_range_m(const LaneSection& section);
 

@@ -54,20 +54,37 @@ double surface_height_m(const Road& road, const Segment& segment, double local_s
          lane_height_m(section_of(road, segment), section_offset_m(road, segment) + local_s_m, t_m);
 }
 
+void lean(RoadPose& pose, glm::dvec2 tangent, glm::dvec2 gradient) {
+  pose.grade = glm::dot(tangent, gradient);
+  pose.pitch_rad = std::atan(pose.grade);
+  pose.roll_rad = std::atan(tangent.x * gradient.y - tangent.y * gradient.x);
+  pose.normal = glm::dvec3(-gradient, 1) / std::sqrt(1 + glm::dot(gradient, gradient));
+}
+
 RoadPose pose_at(const Road& road, double s_m, double t_m) {
   if (road.closed) s_m -= std::floor(s_m / road.length_m()) * road.length_m();
   const Segment& segment = road.segments[segment_at(road, s_m)];
-  const double local = std::clamp(s_m - segment.s_start_m, 0.0, segment.arc_m);
-  const double u = u_at_arc(segment, local);
+  return pose_in(road, segment, s_m - segment.s_start_m, t_m);
+}
+
+RoadPose pose_in(const Road& road, const Segment& segment, double local_s_m, double t_m) {
+  const double local = std::clamp(local_s_m, 0.0, segment.arc_m), u = u_at_arc(segment, local);
+  const double a = segment.slope_start, b = segment.slope_end, df = Lib::road_df(u, a, b);
+  const glm::dvec2 chord = segment.chord_m(), aside(-chord.y, chord.x), along = chord + aside * df;
+  const double length = glm::length(along);  // of the chord, times sqrt(1 + df^2)
+  const glm::dvec2 tangent = along / length, left(-tangent.y, tangent.x);
   RoadPose pose;
-  pose.heading_rad = heading_rad(segment, u);
-  const glm::dvec2 left(-std::sin(pose.heading_rad), std::cos(pose.heading_rad));
-  pose.curvature_per_m = curvature_per_m(segment, u);
-  const double n = t_m * std::cos(segment.superelevation_rad.value(local));
+  pose.heading_rad = std::atan2(along.y, along.x);
+  pose.curvature_per_m = Lib::road_ddf(u, a, b) / ((1 + df * df) * length);
+  const double tilt = segment.superelevation_rad.value(local), n = t_m * std::cos(tilt);
   const Lib::SurfaceSlope surface = surface_at(segment, local, n);
-  pose.position_m = glm::dvec3(position_m(segment, u) + left * n, surface_height_m(road, segment, local, t_m));
-  pose.pitch_rad = std::atan(surface.ahead / std::max(1 - n * pose.curvature_per_m, 0.05));
-  pose.roll_rad = std::atan(surface.aside);
+  const LaneSurface lanes = lane_surface(section_of(road, segment), section_offset_m(road, segment) + local, t_m);
+  pose.position_m = glm::dvec3(position_m(segment, u) + left * n, surface.height + lanes.height_m);
+  // t = n / cos(superelevation) changes along a line of constant n.
+  const double turn = t_m * std::tan(tilt) * segment.superelevation_rad.slope(local);
+  const double ahead = surface.ahead + lanes.along + lanes.across * turn;
+  const double across = surface.aside + lanes.across / surface.cosine;
+  lean(pose, tangent, tangent * grade_at(ahead, n, pose.curvature_per_m) + left * across);
   return pose;
 }
 

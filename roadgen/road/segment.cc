@@ -288,15 +288,20 @@ double u_at_arc(const Segment& segment, double s_m) {
   if (s_m >= segment.arc_m) return 1;
   const double length = segment.chord_length_m(), arc = segment.arc_m / length, target = s_m / length;
   const double a = segment.slope_start, b = segment.slope_end;
-  // Newton inside a shrinking bracket; road_arc increases with u.
-  double low = 0, high = 1, u = s_m / segment.arc_m;
+  // From the cubic with the inverse's values and slopes at both ends, Newton inside a shrinking bracket; road_arc increases
+  // with u.
+  const double q = s_m / segment.arc_m, p = 1 - q;
+  double u = q * p * (p * arc / std::sqrt(1 + a * a) - q * arc / std::sqrt(1 + b * b)) + q * q * (3 - 2 * q);
+  if (!(u > 0 && u < 1)) u = q;
+  double low = 0, high = 1;
   for (int i = 0; i < 60; ++i) {
     const double miss = Lib::road_arc(u, a, b, arc, segment.arc_c0, segment.arc_c1) - target;
     (miss > 0 ? high : low) = u;
     const double slope = Lib::road_darc(u, a, b, arc, segment.arc_c0, segment.arc_c1);
     double next = slope > 0 ? u - miss / slope : 0.5 * (low + high);
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - u) < 1e-15) return next;
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    // The error after a step is of the order of its square.
+    if (std::abs(next - u) < 1e-8) return next;
     u = next;
   }
   return u;

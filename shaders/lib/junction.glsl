@@ -95,17 +95,22 @@ FN JunctionHeight junction_height_add_cut(IN(JunctionHeight) h, IN(float) x, IN(
   float ahead = (x - c.x1) * ny - (y - c.y1) * nx;
   float n = (x - c.x1) * nx + (y - c.y1) * ny + c.right;
   float beyond = n - clamp(n, c.right, c.left);
-  float soft = ahead * ahead / width;
-  float dsoft = 2.0 * ahead / width;
-  float hair = soft * soft + 1e-12;
-  float at_right = sqrt((n - c.right) * (n - c.right) + hair);
-  float at_middle = sqrt(n * n + hair);
-  float at_left = sqrt((n - c.left) * (n - c.left) + hair);
   float both = c.fall_left + c.fall_right;
-  float cross = 0.5 * (c.fall_right * (at_right + c.right) - both * at_middle + c.fall_left * (at_left - c.left));
-  float cross_n = 0.5 * (c.fall_right * (n - c.right) / at_right - both * n / at_middle +
-                         c.fall_left * (n - c.left) / at_left);
-  float cross_ahead = 0.5 * soft * dsoft * (c.fall_right / at_right - both / at_middle + c.fall_left / at_left);
+  float cross = float(0.0);
+  float cross_n = float(0.0);
+  float cross_ahead = float(0.0);
+  if (c.fall_left != 0.0 || c.fall_right != 0.0) {
+    float soft = ahead * ahead / width;
+    float dsoft = 2.0 * ahead / width;
+    float hair = soft * soft + 1e-12;
+    float at_right = sqrt((n - c.right) * (n - c.right) + hair);
+    float at_middle = sqrt(n * n + hair);
+    float at_left = sqrt((n - c.left) * (n - c.left) + hair);
+    cross = 0.5 * (c.fall_right * (at_right + c.right) - both * at_middle + c.fall_left * (at_left - c.left));
+    cross_n = 0.5 * (c.fall_right * (n - c.right) / at_right - both * n / at_middle +
+                     c.fall_left * (n - c.left) / at_left);
+    cross_ahead = 0.5 * soft * dsoft * (c.fall_right / at_right - both / at_middle + c.fall_left / at_left);
+  }
   float z_ahead = c.grade + cross_ahead;
   float z_n = c.tilt + cross_n;
   return junction_height_add(h, width, ahead * ahead + beyond * beyond, 2.0 * (ahead * ny + beyond * nx),
@@ -136,12 +141,14 @@ FN JunctionHeight junction_height_add_corner(IN(JunctionHeight) h, IN(float) x, 
   float z_x = road_dcubic(s, c.z1, c.z2, c.z3) * ds +
               c.chord * (along * (1.0 - du) + (c.across1 - c.across0) * dt * (py - f) - across * df * du);
   float z_y = c.chord * across;
-  float v = c.chord * off;
-  float level = 3.5 / (3.5 + abs(v));
-  float fall = mix(c.fall0, c.fall1, t);
-  z += fall * v * level;
-  z_x += (c.fall1 - c.fall0) * dt * v * level - fall * level * level * c.chord * df;
-  z_y += fall * level * level * c.chord;
+  if (c.fall0 != 0.0 || c.fall1 != 0.0) {
+    float v = c.chord * off;
+    float level = 3.5 / (3.5 + abs(v));
+    float fall = mix(c.fall0, c.fall1, t);
+    z += fall * v * level;
+    z_x += (c.fall1 - c.fall0) * dt * v * level - fall * level * level * c.chord * df;
+    z_y += fall * level * level * c.chord;
+  }
   float d2_x = 2.0 * c.chord * (over - off * df);
   float d2_y = 2.0 * c.chord * off;
   return junction_height_add(h, c.arc, c.chord * c.chord * (off * off + over * over), d2_x * c.cx - d2_y * c.cy,
@@ -174,6 +181,13 @@ FN bool junction_crosses(IN(float) y, IN(float) y0, IN(float) y1, IN(bool) on_le
   return (y0 > y) != (y1 > y) && (y1 > y0) == on_left;
 }
 
+// The same for a corner piece, (px, py) being the point in its chord frame: across the chord, or between it and its curve.
+FN bool junction_corner_crosses(IN(float) y, IN(float) px, IN(float) py, IN(JunctionCorner) c) {
+  bool on_left = py > 0.0;
+  bool between = px > 0.0 && px < 1.0 && on_left != (py > road_f(px, c.a, c.b));
+  return junction_crosses(y, c.y0, c.y1, on_left) != between;
+}
+
 FN JunctionSide junction_side_add_cut(IN(JunctionSide) side, IN(float) x, IN(float) y, IN(JunctionCut) c) {
   JunctionSide r = side;
   float width = c.left - c.right;
@@ -192,9 +206,7 @@ FN JunctionSide junction_side_add_corner(IN(JunctionSide) side, IN(float) x, IN(
   JunctionSide r = side;
   float px = ((x - c.x0) * c.cx + (y - c.y0) * c.cy) / c.chord;
   float py = ((y - c.y0) * c.cx - (x - c.x0) * c.cy) / c.chord;
-  bool on_left = py > 0.0;
-  if (junction_crosses(y, c.y0, c.y1, on_left)) r.inside = !r.inside;
-  if (px > 0.0 && px < 1.0 && on_left != (py > road_f(px, c.a, c.b))) r.inside = !r.inside;
+  if (junction_corner_crosses(y, px, py, c)) r.inside = !r.inside;
   // |f| <= 4/27 (|a| + |b|): is the piece farther than another?
   float least = max(abs(py) - 0.15 * (abs(c.a) + abs(c.b)), max(-px, px - 1.0));
   if (least * c.chord > r.corner) return r;

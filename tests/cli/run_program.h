@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/temporary_folder.h"
@@ -27,9 +28,10 @@ struct Outcome {
   }
 };
 
-inline Outcome run(const std::string& program, std::vector<std::string> arguments) {
+// input: what the program reads from standard input.
+inline Outcome run(const std::string& program, std::vector<std::string> arguments, std::string_view input = {}) {
   const TemporaryFolder folder;
-  const std::string out = folder.path("out"), err = folder.path("err");
+  const std::string in = folder.put("in", input), out = folder.path("out"), err = folder.path("err");
   arguments.insert(arguments.begin(), program);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -37,7 +39,8 @@ inline Outcome run(const std::string& program, std::vector<std::string> argument
 
   const pid_t child = ::fork();
   if (child == 0) {
-    const bool redirected = ::freopen(out.c_str(), "w", stdout) && ::freopen(err.c_str(), "w", stderr);
+    const bool redirected =
+        ::freopen(in.c_str(), "r", stdin) && ::freopen(out.c_str(), "w", stdout) && ::freopen(err.c_str(), "w", stderr);
     if (redirected) ::execv(program.c_str(), argv.data());
     ::_exit(127);
   }
@@ -47,6 +50,8 @@ inline Outcome run(const std::string& program, std::vector<std::string> argument
 }
 
 // The program roadgen that was just built.
-inline Outcome roadgen(std::vector<std::string> arguments) { return run(ROADGEN_PROGRAM, std::move(arguments)); }
+inline Outcome roadgen(std::vector<std::string> arguments, std::string_view input = {}) {
+  return run(ROADGEN_PROGRAM, std::move(arguments), input);
+}
 
 }  // namespace roadgen::test

@@ -1,9 +1,10 @@
 #include "roadgen/query/road_index.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <thread>
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
@@ -38,45 +39,7 @@ Network random_network() {
   return network;
 }
 
-TEST(RoadIndex, PoseAndBackGivesTheSamePlace) {
-  const Network network = random_network();
-  const RoadIndex index(network);
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> along(0, 1), across(-3.49, 3.49);
-  for (int i = 0; i < 4000; ++i) {
-    const std::uint32_t road = static_cast<std::uint32_t>(i % 20);
-    const double length = network.roads[road].length_m();
-    // A circle closes over itself after its circumference: stay below it.
-    const double s = along(random) * std::min(length, 0.9 * 2 * std::numbers::pi * (150 + 10 * road));
-    const double t = across(random);
-    const auto found = index.to_road(glm::dvec2(pose_at(network.roads[road], s, t).position_m), 0);
-    ASSERT_TRUE(found);
-    EXPECT_EQ(found->at.road, road);
-    EXPECT_NEAR(found->s_m, s, 1e-6);
-    EXPECT_NEAR(found->t_m, t, 1e-6);
-    EXPECT_EQ(found->outside_m, 0);
-  }
-}
-
-TEST(RoadIndex, PoseAndBackKeepsTheMappingBoundInTightBends) {
-  const Network network = hairpin_network(0.08);
-  const RoadIndex index(network);
-  const Road& road = network.roads[0];
-  for (double s = 0; s < road.length_m(); s += 0.37) {
-    for (double t = -3.45; t < 3.5; t += 0.3) {
-      const RoadPose pose = pose_at(road, s, t);
-      const auto found = index.to_road(pose.position_m, 0);
-      ASSERT_TRUE(found);
-      const Segment& segment = road.segments[found->at.segment];
-      const double length = segment.chord_length_m();
-      EXPECT_NEAR(found->t_m, t, 1e-6 + segment.bound.v * length);
-      EXPECT_NEAR(found->s_m, s, 1e-6 + 1.5 * segment.bound.u * length);
-      EXPECT_LE(std::abs(found->height_m), 1e-6 + 0.15 * segment.bound.u * length);
-    }
-  }
-}
-
-TEST(RoadIndex, OnACarriagewayTheRoadFunctionAnswers) {
+TEST(RoadIndex, ThePictureAgreesWithinItsBounds) {
   const Network network = hairpin_network(0);
   const RoadIndex index(network);
   std::mt19937 random(2);
@@ -89,34 +52,31 @@ TEST(RoadIndex, OnACarriagewayTheRoadFunctionAnswers) {
     ++on;
     const Segment& segment = index.segment(found->at);
     const Lib::RoadCoord c = project(segment, p);
-    EXPECT_EQ(found->t_m, c.v * segment.chord_length_m());
-    EXPECT_EQ(found->u, c.u);
+    EXPECT_NEAR(found->t_m, c.v * segment.chord_length_m(), 1e-9 + segment.v_bound_m());
+    EXPECT_NEAR(found->s_m, segment.s_start_m + arc_at(segment, c.u), 1e-9 + segment.s_bound_m());
   }
   EXPECT_GT(on, 500);
 }
 
-TEST(RoadIndex, AgreesWithTryingEverySegment) {
+TEST(RoadIndex, AgreesWithTheNearestCentreLine) {
   const Network network = random_network();
   const RoadIndex index(network);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> xy(-800, 5000);
   for (int i = 0; i < 800; ++i) {
     const glm::dvec2 p(xy(random), xy(random));
-    double least = kInfinity, least_distance = kInfinity;
+    double least_distance = kInfinity;
     for (const Road& road : network.roads) {
       for (const Segment& segment : road.segments) {
-        least = std::min(least, locate(segment, p).outside_m);
         least_distance = std::min(least_distance, nearest(segment, p).distance_m);
       }
     }
     const auto found = index.to_road(p, kInfinity);
     ASSERT_TRUE(found);
-    EXPECT_EQ(found->outside_m, least);
-    // The nearest carriageway's centre line is the nearest one, give or take the width.
-    EXPECT_NEAR(found->distance_m, least_distance, 3.5);
+    // Both edges are 3.5 m away everywhere, so nearest to the carriageway is nearest to the line; ends have corners.
+    EXPECT_NEAR(found->distance_m, least_distance, found->outside_m > 0 ? 3.5 : 1e-9);
     EXPECT_GE(found->distance_m, least_distance - 1e-6);
-    const auto within = index.to_road(p, 50);
-    EXPECT_EQ(within.has_value(), found->outside_m <= 50);
+    EXPECT_EQ(index.to_road(p, 50).has_value(), found->outside_m <= 50);
   }
 }
 
@@ -143,6 +103,100 @@ TEST(RoadIndex, HeightTellsABridgeFromTheRoadBelow) {
   const auto flat = index.to_road(glm::dvec2(0.5, 1), 10);
   EXPECT_EQ(flat->at.road, 1u);
   EXPECT_NEAR(flat->t_m, -0.5, 1e-9);
+}
+
+// A road beside is taken for one that holds the point only where that is far above or below.
+TEST(RoadIndex, ARoadThatHoldsThePointIsNotLeftForOneBeside) {
+  Network network;
+  const auto level = [](double z) { return [z](double) { return z; }; };
+  network.roads.push_back(road_along(
+      "steep", 100, 25, 3,
+      [](double s) {
+        return straight({0, 0}, 0, s);
+      },
+      [](double s) { return 0.4 * s; }));
+  network.roads.push_back(road_along(
+      "raised", 100, 25, 3,
+      [](double s) {
+        return straight({0, 6.01}, 0, s);
+      },
+      [](double s) { return 0.4 * s + 0.15; }));
+  network.roads.push_back(road_along(
+      "bridge", 100, 25, 3,
+      [](double s) {
+        return straight({200, 0}, 0, s);
+      },
+      level(6)));
+  network.roads.push_back(road_along(
+      "beside", 100, 25, 3,
+      [](double s) {
+        return straight({200, 6.5}, 0, s);
+      },
+      level(0)));
+  const RoadIndex index(network);
+  for (double x = 1; x < 99; x += 0.37) {
+    for (const double above : {-0.3, 0.0, 0.5, 0.9}) {
+      const auto found = index.to_road(glm::dvec3(x, 2.9999, 0.4 * x + above), 5);
+      ASSERT_TRUE(found);
+      EXPECT_EQ(found->at.road, 0u);
+      EXPECT_NEAR(found->s_m, x, 1e-9);
+      EXPECT_NEAR(found->height_m, above, 1e-9);
+    }
+    // High above as well: the next segment, nearer in height since the road climbs, does not take it.
+    EXPECT_NEAR(index.to_road(glm::dvec3(x, -1, 0.4 * x + 50), 5)->s_m, x, 1e-9);
+  }
+  // Under the bridge, half a metre beside a road at its height.
+  EXPECT_EQ(index.to_road(glm::dvec3(250, 3, 0), 5)->at.road, 3u);
+  EXPECT_EQ(index.to_road(glm::dvec3(250, 3, 5.5), 5)->at.road, 2u);
+}
+
+TEST(RoadIndex, CandidatesAreAllRoadsInReachBestFirst) {
+  Network network;
+  for (int i = 0; i < 5; ++i) {
+    network.roads.push_back(road_along(
+        "r" + std::to_string(i), 100, 10, 3,
+        [=](double s) {
+          return straight({0, 10.0 * i}, 0, s);
+        },
+        [](double) { return 0.0; }));
+  }
+  // Passes twice: out and back, 200 m apart in s.
+  network.roads.push_back(road_along(
+      "hairpin", 2 * 90 + std::numbers::pi * 6, 6, 3.5,
+      [](double s) {
+        testing::Station at = testing::hairpins(90, 6, s);
+        at.position_m.y -= 100;
+        return at;
+      },
+      [](double) { return 0.0; }));
+  const RoadIndex index(network);
+  std::array<RoadPoint, 8> found;
+  // At a joint of the segments every road is named once.
+  for (const double x : {50.0, 53.1}) {
+    ASSERT_EQ(index.candidates(glm::dvec2(x, 11), 10, found), 3u);
+    EXPECT_EQ(found[0].at.road, 1u);
+    EXPECT_EQ(found[0].lane, 1);
+    EXPECT_EQ(found[1].at.road, 2u);
+    EXPECT_NEAR(found[1].outside_m, 6, 1e-9);
+    EXPECT_EQ(found[2].at.road, 0u);
+    EXPECT_NEAR(found[2].outside_m, 8, 1e-9);
+    EXPECT_NEAR(found[2].s_m, x, 1e-9);
+  }
+  ASSERT_EQ(index.candidates(glm::dvec2(45, -95), 10, found), 2u);
+  EXPECT_EQ(found[0].at.road, 5u);
+  EXPECT_EQ(found[1].at.road, 5u);
+  EXPECT_NEAR(found[0].s_m, 45, 1e-9);
+  EXPECT_NEAR(found[1].s_m, network.roads[5].length_m() - 45, 0.01);
+  // Less room: the best, and how many there are.
+  ASSERT_EQ(index.candidates(glm::dvec2(53.1, 11), 10, std::span(found).first(1)), 3u);
+  EXPECT_EQ(found[0].at.road, 1u);
+  EXPECT_EQ(index.candidates(glm::dvec2(53.1, 11), 10, {}), 3u);
+  // Beyond an open end the end is the place.
+  ASSERT_EQ(index.candidates(glm::dvec2(103, 0), 4, found), 1u);
+  EXPECT_NEAR(found[0].s_m, 100, 1e-9);
+  // Heights sort.
+  ASSERT_EQ(index.candidates(glm::dvec3(53.1, 11, 2), 10, found), 3u);
+  EXPECT_NEAR(found[0].height_m, 2, 1e-9);
 }
 
 TEST(RoadIndex, BeyondAnOpenEndTheEndAnswers) {
@@ -173,13 +227,33 @@ TEST(RoadIndex, WithinHoldsEverySegmentInReach) {
   std::size_t expected = 0;
   for (std::uint32_t road = 0; road < network.roads.size(); ++road) {
     for (std::uint32_t i = 0; i < network.roads[road].segments.size(); ++i) {
-      if (locate(network.roads[road].segments[i], p).outside_m > 300) continue;
+      if (nearest(network.roads[road].segments[i], p).distance_m > 300 + 3.5) continue;
       ++expected;
       EXPECT_NE(std::find(near.begin(), near.end(), SegmentRef{road, i}), near.end());
     }
   }
   EXPECT_GT(expected, 0u);
   EXPECT_LT(near.size(), network.segment_count() / 2);
+}
+
+TEST(RoadIndex, PointsThatAreNoneHaveNoRoad) {
+  const Network network = hairpin_network(0);
+  const RoadIndex index(network);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity}) {
+    EXPECT_FALSE(index.to_road(glm::dvec2(bad, 0), kInfinity));
+    EXPECT_FALSE(index.to_road(glm::dvec3(0, 0, bad), kInfinity));
+    EXPECT_EQ(index.candidates(glm::dvec2(0, bad), kInfinity, {}), 0u);
+  }
+  EXPECT_FALSE(index.to_road(glm::dvec2(1e300, -1e300), 1e6));
+  const auto far = index.to_road(glm::dvec2(1e12, 0), kInfinity);
+  ASSERT_TRUE(far);
+  EXPECT_TRUE(std::isfinite(far->s_m) && std::isfinite(far->t_m));
+  // Hints that name nothing.
+  for (const SegmentRef at : {SegmentRef{7, 0}, SegmentRef{0, 100000}, SegmentRef{}}) {
+    RoadHint hint{at};
+    EXPECT_NEAR(index.to_road(glm::dvec2(10, 1), 1, &hint)->t_m, 1, 1e-9);
+    EXPECT_EQ(hint.at.road, 0u);
+  }
 }
 
 TEST(RoadIndex, AnEmptyNetworkHasNoRoads) {
