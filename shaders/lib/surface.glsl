@@ -40,11 +40,12 @@ FN float surface_s(IN(RoadCoord) c, IN(float) x, IN(float) y, IN(RoadSurface) r)
   return s + r.chord * ((x - c.u) + (y - road_f(c.u, r.a, r.b)) * df) / sqrt(1.0 + df * df);
 }
 
-// tan(e) by Lambert's continued fraction: relative error at most 2e-13 up to 45 degrees, 3e-10 up to 70. Cheaper than a
-// sine and a cosine.
+// tan(e) by Lambert's continued fraction: relative error at most 2e-18 up to 45 degrees, 2e-13 up to 80, 5e-11 up to 115;
+// rounding comes on top. Cheaper than a sine and a cosine.
 FN float surface_tan(IN(float) e) {
   float q = e * e;
-  return e * (135135.0 - q * (17325.0 - q * (378.0 - q))) / (135135.0 - q * (62370.0 - q * (3150.0 - q * 28.0)));
+  return e * (34459425.0 - q * (4729725.0 - q * (135135.0 - q * (990.0 - q)))) /
+         (34459425.0 - q * (16216200.0 - q * (945945.0 - q * (13860.0 - q * 45.0))));
 }
 
 // What the surface does at (s, n).
@@ -64,7 +65,7 @@ FN SurfaceSlope surface_at(IN(float) s, IN(float) n, IN(RoadSurface) r) {
   z.height = road_cubic(s, float(0.0), r.z1, r.z2, r.z3) + n * (tilt - fall);
   z.aside = tilt - fall;
   z.ahead = road_dcubic(s, r.z1, r.z2, r.z3) + n * (road_dcubic(s, r.e1, r.e2, r.e3) * (1.0 + tilt * tilt) - fall1);
-  z.cosine = 1.0 / sqrt(1.0 + tilt * tilt);
+  z.cosine = (abs(e) < 1.5707963 ? float(1.0) : float(-1.0)) / sqrt(1.0 + tilt * tilt);
   return z;
 }
 

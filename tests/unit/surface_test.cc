@@ -48,6 +48,17 @@ double height_at(const Lib::RoadSurface& r, glm::dvec2 p) {
   return -above;
 }
 
+TEST(Surface, TangentOfTheSuperelevation) {
+  for (double e = -2; e <= 2; e += 1e-4) {
+    if (std::abs(std::abs(e) - 1.5708) < 0.01) continue;
+    const double limit = std::abs(e) < 0.786 ? 2e-15 : std::abs(e) < 1.4 ? 3e-13 : 6e-11;
+    EXPECT_NEAR(Lib::surface_tan(e), std::tan(e), limit * std::abs(std::tan(e))) << e;
+    Lib::RoadSurface r{};
+    r.e0 = e;
+    EXPECT_NEAR(Lib::surface_at(0.0, 0.0, r).cosine, std::cos(e), 6e-11) << e;
+  }
+}
+
 TEST(Surface, BendIsTheSecondDifference) {
   Dice dice;
   for (int i = 0; i < 4000; ++i) {

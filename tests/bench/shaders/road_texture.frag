@@ -3,10 +3,10 @@
 #include "road_mesh.glsl"
 
 layout(binding = 0) uniform sampler2D markings;
-layout(location = 0) uniform vec2 size;   // of the texture along s and t, m
+layout(location = 1) uniform vec2 size;   // of the texture along s and t, m
 
 #ifdef PROBES
-layout(location = 1) uniform int probes;  // greatest anisotropy
+layout(location = 2) uniform int probes;  // greatest anisotropy
 
 // The filter that GL_EXT_texture_filter_anisotropic describes, for drivers that do not tell its levels apart: up to
 // `probes` trilinear ones along the footprint's longer axis.
