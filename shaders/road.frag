@@ -217,10 +217,12 @@ void sink_below(inout Spot spot, float deep, float away, float side) {
 #endif
 
 // Only levels of DETAILED roads, and the silhouettes of the picture, need to know about rays that miss.
-#if defined(CHANNELS) && !defined(DETAILED)
-#define LOOK_ABOUT false
+#ifdef DETAILED
+#define LOOK_ABOUT 2
+#elif defined(CHANNELS)
+#define LOOK_ABOUT 0
 #else
-#define LOOK_ABOUT true
+#define LOOK_ABOUT 1
 #endif
 
 // Where the ray meets the surface raised by lift; beyond: also over the joints.
@@ -231,7 +233,7 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   // A thousandth of a pixel, or half a millimetre.
   float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
   RoadSearch search = surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, extent.x,
-                                     extent.z, LOOK_ABOUT && !part.beyond, ray.k.x, ray.k.y, r);
+                                     extent.z, part.beyond ? 0 : LOOK_ABOUT, ray.k.x, ray.k.y, r);
   RoadHit hit = search.hit;
   float pixel = right.w * (abs(right.z) + abs(up.z));
 #ifdef CHANNELS

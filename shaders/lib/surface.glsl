@@ -197,13 +197,14 @@ struct RoadSearch {
 // a bound of |surface_bend|, which tells how far they serve); where that strays, since the ray runs nearly along the surface,
 // again from within a short interval that halving finds; where such a ray misses, or meets the surface farther than
 // limit (m) from the reference line, from the far end, since it may meet it twice; and where it comes out of the surface
-// there, from between k_first and there, since it may have gone in before. Then, if asked to look, what it does in
+// there, from between k_first and there, since it may have gone in before. Where the bound of the bend proves a miss, that
+// is the end of it. Then, if asked to look (1; 2: also for rays that can come nearest at the ends alone), what it does in
 // [k_first, k_last]: for one that comes out of the surface, how it stands at k_first; for one that misses, where it
 // comes nearest, by false position on the change of its height, an end that stays twice halved (Illinois). All in one
 // loop, so that no pixel pays for steps that none of its neighbours needs, and with one text for all steps.
 FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
                              IN(float) k_low, IN(float) k_high, IN(float) tolerance, IN(float) bend,
-                             IN(float) limit, IN(bool) look, IN(float) k_first, IN(float) k_last, IN(RoadSurface) r) {
+                             IN(float) limit, IN(int) look, IN(float) k_first, IN(float) k_last, IN(RoadSurface) r) {
   const int kNewton = 0, kNearEnd = 1, kHalving = 2, kNewtonAgain = 3, kFromFarEnd = 4, kFirst = 5, kLast = 6,
             kNearest = 7;
   RoadSearch search;
@@ -235,6 +236,7 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
     k = hit.k - above / climb;
     jump = task != kNewton;
     bool done = false;
+    bool gone = false;  // a miss that no other run will find to meet the surface
     // What the tangents leave of the next step, and what the last one has left of u.
     float onward = clamp(k, low, high) - hit.k;
     float ahead = r.chord * (hit.u - guess);
@@ -319,7 +321,13 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
       }
       bool missed = hit.residual > tolerance;
       leaves = task == kNewton && !missed && along && climb > 0.0 && hit.k > k_first;
-      if (task == kNewton && (missed || leaves)) {
+      // At an end, beyond which alone it would come nearer: before it could have met the surface in between, it would have
+      // to level out, and bend back by as much as it is away.
+      gone = missed && task != kNewtonAgain && ((hit.k >= high && k > high) || (hit.k <= low && k < low)) &&
+             bend * (high - low) < abs(climb) + sqrt(climb * climb + 2.0 * bend * hit.residual);
+      if (gone) {
+        done = true;
+      } else if (task == kNewton && (missed || leaves)) {
         other = hit;
         if (leaves) {
           low = k_first;
@@ -342,7 +350,8 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
     if (done) {
       // Rays that touch a crest come no nearer.
       search.met = hit.residual <= (hit.k > k_low && hit.k < k_high ? 10.0 : 1.0) * tolerance;
-      if (!look || !(k_first <= k_last) || (search.met && (climb < 0.0 || !(k_first > k_low)))) break;
+      bool steady = gone && look < 2 && bend * (high - low) < abs(climb);  // nor comes it nearest between the ends
+      if (steady || look == 0 || !(k_first <= k_last) || (search.met && (climb < 0.0 || !(k_first > k_low)))) break;
       other = hit;
       task = kFirst;
       k = k_first;

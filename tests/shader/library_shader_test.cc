@@ -23,7 +23,7 @@ SHADER_CASE(Intersect, 23, 3,
             RoadSurface r = RoadSurface(x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14], x[15], x[16], x[17],
                                         x[18], x[19], x[20], x[21], x[22]);
             RoadHit h = surface_search(x[0], x[1], x[2], x[3], x[4], x[5], float(-40.0), float(0.0), float(1e-4),
-                                       float(0.05), float(1e3), false, float(0.0), float(0.0), r).hit;
+                                       float(0.05), float(1e3), 0, float(0.0), float(0.0), r).hit;
             y[0] = h.k; y[1] = h.u; y[2] = h.v * r.chord;)
 SHADER_CASE(Step, 3, 1, y[0] = filter_step(x[0], x[1], x[2]);)
 SHADER_CASE(Dash, 3, 1, y[0] = marking_dash(x[0], float(9.0), float(3.0), x[1], x[2]);)

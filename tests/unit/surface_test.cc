@@ -121,9 +121,8 @@ TEST(Surface, SearchFindsTheFirstMeetingAndTheCrest) {
       before = above;
     }
     const double tolerance = 5e-4;
-    const Lib::RoadSearch found =
-        Lib::surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, first, last, tolerance,
-                            Lib::surface_most_bend(10, r), 1e3, true, first, last, r);
+    const Lib::RoadSearch found = Lib::surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, first, last,
+                                                      tolerance, Lib::surface_most_bend(10, r), 1e3, 2, first, last, r);
     if (meets < 0 && nearest < 0.005) continue;  // may touch
     if (meets >= 0) {
       ASSERT_TRUE(found.met) << i;
