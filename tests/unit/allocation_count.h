@@ -5,7 +5,7 @@
 
 namespace roadgen::test {
 
-// Calls of operator new so far, in all threads.
+// Calls of operator new so far, in all threads. 0 under AddressSanitizer.
 std::size_t allocation_count();
 
 }  // namespace roadgen::test
