@@ -21,24 +21,8 @@ layout(location = 9) in uvec2 in_crossfall;
 // Origins of the tiles, ENU, each as two floats.
 layout(std430, binding = 0) readonly buffer Tiles { vec4 tiles[]; };
 
-flat out vec4 shape;       // L, a, b, arc length
-flat out vec4 arc;         // c0, c1, s at the start (a float, and what it lacks)
-flat out vec4 height;      // z1, z2, z3, s from the section's start
-flat out uvec4 ids;
-flat out vec2 axis;        // unit chord direction in ENU
-out vec3 relative;         // position relative to the eye, ENU
-#ifdef RELIEF
-flat out vec4 superelevation;
-flat out vec4 crossfall;   // left at the start and its slope, right
-flat out vec4 box;
-flat out vec3 eye;         // in chord axes, metres from the start anchor
-flat out vec3 extent;      // the most that the surface bends along a line, 1/m; its fold at the reference line; its
-                           // greatest distance from that, m
-out vec3 point;            // likewise
-#else
-out vec2 chord_point;      // x, y in the chord frame
-out vec3 linear;           // alpha, beta, gamma: linear in x and y, so the rasterizer interpolates them
-#endif
+#define PASS out
+#include "road_shape.glsl"
 
 // What the footprint is drawn larger by at a corner, in the plane of the chord; in units of the chord's length.
 struct Room {
@@ -162,9 +146,7 @@ void main() {
   crossfall = vec4(left.x, (left.y - left.x) / in_arc.x, right_fall.x, (right_fall.y - right_fall.x) / in_arc.x);
   vec3 local = vec3(x * chord, y * chord, rise * x + (at_top ? box.w : box.z));
   point = local;
-  RoadSurface r = RoadSurface(shape.x, shape.y, shape.z, shape.w, arc.x, arc.y, height.x, height.y, height.z,
-                              superelevation.x, superelevation.y, superelevation.z, superelevation.w, crossfall.x,
-                              crossfall.y, crossfall.z, crossfall.w);
+  RoadSurface r = road_surface();
   float side = chord * max(-in_box.x, in_box.y);
   extent = vec3(surface_most_bend(side, r), dot(abs(left + right_fall), vec2(3.0)), side);
   eye = vec3(-dot(start.xy, axis), start.x * axis.y - start.y * axis.x, -start.z);

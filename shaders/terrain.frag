@@ -1,4 +1,10 @@
-// The ground's look: material by slope and height, noise that fades with the pixel's footprint.
+// The ground's look: material by slope and height, noise that fades with the pixel's footprint. With HOLLOWS, what lies
+// in the clear space of tunnels is cut away.
+#ifdef HOLLOWS
+#include "lib/road.glsl"
+#include "lib/marking.glsl"
+#include "lib/sweep.glsl"
+#endif
 #include "lib/noise.glsl"
 #include "lib/ground.glsl"
 #include "frame.glsl"
@@ -7,7 +13,41 @@
 in vec3 relative;
 in vec3 ground_normal;
 
+#ifdef HOLLOWS
+in vec3 in_tile;
+layout(location = 1) uniform uvec2 cut;  // the hollows that the triangles may meet: the first, and how many
+
+// Hollow of terrain/hollow.h, as roadgen/render/renderer.cc packs it.
+struct Hollow {
+  vec4 start;  // relative to the tile's origin, m
+  vec4 shape;  // chord x, y (m), slopes a, b
+  vec4 arc;    // arc length (m), c0, c1; depth of the floor
+  vec4 axis;   // z0, z1, z2, z3
+  vec4 place;  // n0, n1, u0, u1
+  vec4 box;    // y0, y1, z0, z1: m from the start, chord axes
+  vec4 vault;  // half width, height of the arch's centre, its radius
+};
+layout(std430, binding = 4) readonly buffer Hollows { Hollow hollows[]; };
+
+bool is_cut_away(Hollow h) {
+  SweepPath path = SweepPath(length(h.shape.xy), h.shape.z, h.shape.w, h.arc.x, h.arc.y, h.arc.z, h.axis.x, h.axis.y,
+                             h.axis.z, h.axis.w, h.place.x, h.place.y, 0.0, 0.0, 0.0);
+  SweepProfile profile = SweepProfile(SWEEP_LINING, h.vault.x, h.vault.y, h.vault.z, 0.0, h.arc.w, 0.0);
+  SweepPosts posts = SweepPosts(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+  SweepPiece piece = SweepPiece(path, profile, posts, h.place.z, h.place.w, 0.0, 0.0, h.box.x, h.box.y, h.box.z,
+                                h.box.w);
+  vec3 from = in_tile - h.start.xyz;
+  vec2 chord = h.shape.xy / path.chord;
+  return sweep_hollow(dot(from.xy, chord), from.y * chord.x - from.x * chord.y, from.z, piece) < 0.0;
+}
+#endif
+
 void main() {
+#ifdef HOLLOWS
+  for (uint i = 0u; i < cut.y; ++i) {
+    if (is_cut_away(hollows[cut.x + i])) discard;
+  }
+#endif
   vec3 normal = normalize(ground_normal);
 #ifdef CHANNELS
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
@@ -15,10 +55,12 @@ void main() {
   out_label = vec2(1.0, 0.0);
 #else
   vec2 place = relative.xy + eye_phase.xy;
-  // Between the pixel's short and long side on the ground: sharp where it faces the eye, calm where it is grazed.
+  // Between the pixel's short and long side on the ground: sharp where it faces the eye, calm where it is grazed, by the
+  // triangle itself too, which may be seen edge on where the ground's normal is not.
   float distance_m = length(relative);
-  float facing = abs(dot(normal, relative)) / distance_m;
-  float footprint = distance_m * right.w / sqrt(max(facing, 0.05));
+  vec3 flat_normal = normalize(cross(dFdx(relative), dFdy(relative)));
+  float facing = min(abs(dot(normal, relative)), abs(dot(flat_normal, relative))) / distance_m;
+  float footprint = distance_m * right.w / sqrt(max(facing, 0.005));
   float altitude = (relative.z - ground.x) * ground.y;
   float steepness = 1.0 - normal.z;
   float broad = noise_fractal(place.x, place.y, 512.0, 3, 0.55, footprint);

@@ -7,9 +7,15 @@ layout(location = 0) uniform vec3 tile;    // the tile's origin relative to the 
 
 out vec3 relative;
 out vec3 ground_normal;
+#ifdef HOLLOWS
+out vec3 in_tile;
+#endif
 
 void main() {
   relative = in_position + tile;
   ground_normal = in_normal;
+#ifdef HOLLOWS
+  in_tile = in_position;
+#endif
   gl_Position = clip_from_relative * vec4(relative, 1.0);
 }

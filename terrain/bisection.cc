@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
+
+#include "roadgen/road/parallel.h"
 
 namespace roadgen {
 namespace {
@@ -26,23 +29,34 @@ Bisection::Bisection(glm::ivec2 tiles, int k, Height height) : tiles_(tiles), k_
   };
   for (int y = 0; y < tiles.y; ++y) {
     for (int x = 0; x < tiles.x; ++x) {
-      triangles_.push_back({corner(x + 1, y), corner(x + 1, y + 1), corner(x, y), -1, root(x, y, 1), root(x + 1, y, 1),
+      triangles_.push_back({corner(x + 1, y), corner(x + 1, y + 1), corner(x, y), root(x, y, 1), root(x + 1, y, 1),
                             root(x, y - 1, 1), 0});
-      triangles_.push_back({corner(x, y + 1), corner(x, y), corner(x + 1, y + 1), -1, root(x, y, 0), root(x - 1, y, 0),
+      triangles_.push_back({corner(x, y + 1), corner(x, y), corner(x + 1, y + 1), root(x, y, 0), root(x - 1, y, 0),
                             root(x, y + 1, 0), 0});
     }
   }
   leaves_ = triangles_.size();
+  child_.assign(leaves_, -1);
 }
 
 bool Bisection::refine(const Wanted& wanted, std::size_t most_triangles) {
-  // Children go to the end of the list, so one walk over it sees every triangle, forced ones too.
-  for (std::size_t i = 0; i < triangles_.size(); ++i) {
-    if (triangles_[i].child >= 0 || triangles_[i].level >= 2 * k_) continue;
-    const Triangle copy = triangles_[i];
-    if (!wanted(copy)) continue;
-    split(static_cast<std::int32_t>(i));
+  // Wave by wave: what is wanted of the triangles so far, then the splits, whose children and forced neighbours are the
+  // next wave, then the heights of the new vertices. The splits depend on no order, so neither does the mesh.
+  std::vector<std::uint8_t> split_it;
+  for (std::size_t begin = 0; begin < triangles_.size();) {
+    const std::size_t end = triangles_.size(), known = lattice_.size();
+    split_it.assign(end - begin, 0);
+    for_each_index(end - begin, [&](std::size_t i) {
+      const Triangle& t = triangles_[begin + i];
+      split_it[i] = child_[begin + i] < 0 && t.level < 2 * k_ && wanted(t);
+    });
+    for (std::size_t i = begin; i < end; ++i) {
+      if (split_it[i - begin] && child_[i] < 0) split(static_cast<std::int32_t>(i));
+    }
     if (leaves_ > most_triangles) return false;
+    heights_.resize(lattice_.size());
+    for_each_index(lattice_.size() - known, [&](std::size_t i) { heights_[known + i] = height_(lattice_[known + i]); });
+    begin = end;
   }
   return true;
 }
@@ -67,11 +81,10 @@ void Bisection::split(std::int32_t i) {
 
   const auto middle = static_cast<std::uint32_t>(lattice_.size());
   lattice_.push_back((lattice_[at(i).left] + lattice_[at(i).right]) / 2);
-  heights_.push_back(height_(lattice_.back()));
   halve(i, middle);
   if (partner < 0) return;
   halve(partner, middle);
-  const std::int32_t mine = at(i).child, other = at(partner).child;
+  const auto mine = child_[static_cast<std::size_t>(i)], other = child_[static_cast<std::size_t>(partner)];
   at(mine).across_right = other + 1;
   at(other + 1).across_left = mine;
   at(mine + 1).across_left = other;
@@ -82,9 +95,10 @@ void Bisection::split(std::int32_t i) {
 void Bisection::halve(std::int32_t i, std::uint32_t middle) {
   const Triangle t = at(i);
   const auto child = static_cast<std::int32_t>(triangles_.size());
-  triangles_.push_back({middle, t.apex, t.left, -1, t.across_left, child + 1, -1, t.level + 1});
-  triangles_.push_back({middle, t.right, t.apex, -1, t.across_right, -1, child, t.level + 1});
-  at(i).child = child;
+  triangles_.push_back({middle, t.apex, t.left, t.across_left, child + 1, -1, t.level + 1});
+  triangles_.push_back({middle, t.right, t.apex, t.across_right, -1, child, t.level + 1});
+  child_.insert(child_.end(), 2, -1);
+  child_[static_cast<std::size_t>(i)] = child;
   relink(t.across_left, i, child);
   relink(t.across_right, i, child + 1);
   ++leaves_;
@@ -95,27 +109,31 @@ glm::dvec2 Bisection::clamped(glm::dvec2 place) const {
   return {std::clamp(place.x, 0.0, width), std::clamp(place.y, 0.0, depth)};
 }
 
-std::int32_t Bisection::find(glm::dvec2 place) const {
-  place = clamped(place);
+Bisection::Found Bisection::found(glm::dvec2 place) const {
   const int x = std::min(static_cast<int>(place.x) >> k_, tiles_.x - 1);
   const int y = std::min(static_cast<int>(place.y) >> k_, tiles_.y - 1);
-  const glm::dvec2 inside = place - glm::dvec2(x, y) * static_cast<double>(cells());
-  std::int32_t i = 2 * (y * tiles_.x + x) + (inside.y > inside.x ? 1 : 0);
-  while (triangle(i).child >= 0) {
-    const Triangle& t = triangle(i);
-    const glm::dvec2 apex(lattice_[t.apex]);
-    const glm::dvec2 middle = 0.5 * (glm::dvec2(lattice_[t.left]) + glm::dvec2(lattice_[t.right]));
+  const glm::ivec2 low(x * cells(), y * cells()), high = low + cells();
+  const glm::dvec2 inside = place - glm::dvec2(low);
+  const bool above = inside.y > inside.x;
+  Found f{2 * (y * tiles_.x + x) + (above ? 1 : 0), {above ? low.x : high.x, above ? high.y : low.y}, high, low};
+  if (above) std::swap(f.left, f.right);
+  for (;;) {
+    const std::int32_t child = child_[static_cast<std::size_t>(f.leaf)];
+    if (child < 0) return f;
+    const glm::ivec2 middle = (f.left + f.right) / 2, apex = f.apex;
     // The left vertex lies to the right of the ray from the apex to the middle.
-    i = cross(middle - apex, place - apex) < 0 ? t.child : t.child + 1;
+    const bool to_left = cross(glm::dvec2(middle - apex), place - glm::dvec2(apex)) < 0;
+    f = to_left ? Found{child, middle, apex, f.left} : Found{child + 1, middle, f.right, apex};
   }
-  return i;
 }
 
-double Bisection::height_on(std::int32_t leaf, glm::dvec2 place) const {
+std::int32_t Bisection::find(glm::dvec2 place) const { return found(clamped(place)).leaf; }
+
+double Bisection::height_at(glm::dvec2 place) const {
   place = clamped(place);
-  const Triangle& t = triangle(leaf);
-  const glm::dvec2 apex(lattice_[t.apex]);
-  const glm::dvec2 left = glm::dvec2(lattice_[t.left]) - apex, right = glm::dvec2(lattice_[t.right]) - apex;
+  const Found f = found(place);
+  const Triangle& t = triangle(f.leaf);
+  const glm::dvec2 apex(f.apex), left = glm::dvec2(f.left) - apex, right = glm::dvec2(f.right) - apex;
   const double area = cross(left, right);
   const double to_left = cross(place - apex, right) / area, to_right = cross(left, place - apex) / area;
   return heights_[t.apex] + to_left * (heights_[t.left] - heights_[t.apex]) +
@@ -129,15 +147,13 @@ glm::dvec2 Bisection::gradient(std::int32_t leaf) const {
   return glm::dvec2(to_left * right.y - to_right * left.y, to_right * left.x - to_left * right.x) / cross(left, right);
 }
 
-double Bisection::height_at(glm::dvec2 place) const { return height_on(find(place), place); }
-
 std::vector<std::int32_t> Bisection::leaves_of(glm::ivec2 tile) const {
   const std::int32_t root = 2 * (tile.y * tiles_.x + tile.x);
   std::vector<std::int32_t> stack{root, root + 1}, found;
   while (!stack.empty()) {
     const std::int32_t i = stack.back();
     stack.pop_back();
-    const std::int32_t child = triangle(i).child;
+    const std::int32_t child = child_[static_cast<std::size_t>(i)];
     if (child < 0) {
       found.push_back(i);
     } else {

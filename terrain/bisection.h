@@ -21,7 +21,6 @@ class Bisection {
   // A triangle, counter-clockwise seen from above: apex, left, right; the hypotenuse runs from left to right.
   struct Triangle {
     std::uint32_t apex = 0, left = 0, right = 0;                         // vertices
-    std::int32_t child = -1;                                             // of two, side by side; -1: a leaf
     std::int32_t across_base = -1, across_left = -1, across_right = -1;  // neighbours; -1: border
     std::int32_t level = 0;  // bisections from the tile; the legs halve every two
   };
@@ -29,7 +28,8 @@ class Bisection {
   using Height = std::function<double(glm::ivec2 lattice)>;
   using Wanted = std::function<bool(const Triangle&)>;
 
-  // Requires: tiles >= 1 each way, 1 <= k <= 14, tiles * 2^k < 2^30. Heights of the corners are asked at once.
+  // Requires: tiles >= 1 each way, 1 <= k <= 14, tiles * 2^k < 2^30. Heights of the corners are asked at once. height and
+  // what refine() is given are asked from several threads.
   Bisection(glm::ivec2 tiles, int k, Height height);
 
   // Splits every triangle that wanted() wants split and that is not of the finest level, until none is or there are
@@ -43,12 +43,20 @@ class Bisection {
   void set_height(std::uint32_t vertex, double height_m) { heights_[vertex] = height_m; }
   const Triangle& triangle(std::int32_t i) const { return triangles_[static_cast<std::size_t>(i)]; }
 
+  // Calls visit(index) for every leaf, in no order.
+  template <class Visit>
+  void each_leaf(Visit&& visit) const {
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      if (child_[i] < 0) visit(static_cast<std::int32_t>(i));
+    }
+  }
+  int finest() const { return 2 * k_; }  // level
+
   // The leaf that holds a place in lattice units, clamped to the rectangle. Cost: O(k).
   std::int32_t find(glm::dvec2 place) const;
 
-  // The plane of a leaf, evaluated at a place in lattice units (clamped likewise).
+  // The plane of that leaf, evaluated at the place. Cost: O(k), 0.1 to 0.2 us.
   double height_at(glm::dvec2 place) const;
-  double height_on(std::int32_t leaf, glm::dvec2 place) const;
   // Its slope, per lattice unit.
   glm::dvec2 gradient(std::int32_t leaf) const;
 
@@ -58,6 +66,13 @@ class Bisection {
   int cells() const { return 1 << k_; }  // of a tile, each way
 
  private:
+  // The leaf that holds a place within the rectangle, and its corners. They follow from the way to it, whose steps read
+  // nothing but the tree's: what is asked of one place after another waits for memory.
+  struct Found {
+    std::int32_t leaf;
+    glm::ivec2 apex, left, right;
+  };
+  Found found(glm::dvec2 place) const;
   void split(std::int32_t i);
   void halve(std::int32_t i, std::uint32_t middle);
   void relink(std::int32_t neighbour, std::int32_t from, std::int32_t to);
@@ -69,6 +84,7 @@ class Bisection {
   Height height_;
   std::size_t leaves_ = 0;
   std::vector<Triangle> triangles_;  // the first two of every tile, then children
+  std::vector<std::int32_t> child_;  // of each: the first of two, side by side; -1: a leaf
   std::vector<glm::ivec2> lattice_;
   std::vector<double> heights_;
 };

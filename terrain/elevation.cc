@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 #include <numbers>
 #include <optional>
@@ -73,29 +75,83 @@ double unit_m(const std::string& unit) {
   return 1;
 }
 
-// Reads the band upside down, so that rows go north, marking what is no height.
-bool read_posts(GDALRasterBand& band, Grid& grid, std::vector<std::uint8_t>& known) {
-  const int columns = grid.columns, rows = grid.rows;
-  grid.values.resize(static_cast<std::size_t>(columns) * rows);
-  known.assign(grid.values.size(), 1);
-  int has_no_data = 0;
-  const double no_data = band.GetNoDataValue(&has_no_data);
-  const double scale = band.GetScale() * unit_m(band.GetUnitType());
-  const double offset = band.GetOffset() * unit_m(band.GetUnitType());
-  std::vector<double> line(static_cast<std::size_t>(columns));
+bool reads_row(GDALDataset& dataset, int band, int row, std::vector<double>& line) {
+  const int columns = static_cast<int>(line.size());
+  return dataset.GetRasterBand(band)->RasterIO(GF_Read, 0, row, columns, 1, line.data(), columns, 1, GDT_Float64, 0, 0,
+                                               nullptr) == CE_None;
+}
+
+// Calls put(row from the south, column, height or NaN for a void) for every post. False where reading fails.
+template <class Put>
+bool each_height(GDALDataset& dataset, HeightEncoding encoding, int columns, int rows, Put&& put) {
+  constexpr double kVoid = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> first(static_cast<std::size_t>(columns));
+  if (encoding == HeightEncoding::kHeights) {
+    GDALRasterBand& band = *dataset.GetRasterBand(1);
+    int has_no_data = 0;
+    const double no_data = band.GetNoDataValue(&has_no_data);
+    const double scale = band.GetScale() * unit_m(band.GetUnitType());
+    const double offset = band.GetOffset() * unit_m(band.GetUnitType());
+    for (int row = 0; row < rows; ++row) {
+      if (!reads_row(dataset, 1, row, first)) return false;
+      for (int column = 0; column < columns; ++column) {
+        const double raw = first[static_cast<std::size_t>(column)];
+        const bool is_void = !std::isfinite(raw) || raw == -32768 || (has_no_data != 0 && raw == no_data);
+        put(rows - 1 - row, column, is_void ? kVoid : raw * scale + offset);
+      }
+    }
+    return true;
+  }
+  std::vector<double> green(first.size()), blue(first.size()), alpha(first.size(), 255);
+  const bool has_alpha = dataset.GetRasterCount() >= 4;
   for (int row = 0; row < rows; ++row) {
-    if (band.RasterIO(GF_Read, 0, row, columns, 1, line.data(), columns, 1, GDT_Float64, 0, 0, nullptr) != CE_None) {
+    if (!reads_row(dataset, 1, row, first) || !reads_row(dataset, 2, row, green) || !reads_row(dataset, 3, row, blue) ||
+        (has_alpha && !reads_row(dataset, 4, row, alpha))) {
       return false;
     }
-    for (int column = 0; column < columns; ++column) {
-      const double raw = line[static_cast<std::size_t>(column)];
-      const std::size_t i = static_cast<std::size_t>(rows - 1 - row) * columns + column;
-      const bool is_void = !std::isfinite(raw) || raw == -32768 || (has_no_data != 0 && raw == no_data);
-      known[i] = !is_void;
-      grid.values[i] = is_void ? 0.0f : static_cast<float>(raw * scale + offset);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const double code = 65536 * first[i] + 256 * green[i] + blue[i];
+      const bool rgb = encoding == HeightEncoding::kTerrainRgb;
+      const bool is_void = alpha[i] == 0 || (rgb && code == 0);
+      put(rows - 1 - row, static_cast<int>(i), is_void ? kVoid : rgb ? 0.1 * code - 10000 : code / 256 - 32768);
     }
   }
   return true;
+}
+
+// Marks what is no height. Rows go north.
+bool read_posts(GDALDataset& dataset, HeightEncoding encoding, Grid& grid, std::vector<std::uint8_t>& known) {
+  grid.values.resize(static_cast<std::size_t>(grid.columns) * grid.rows);
+  known.assign(grid.values.size(), 1);
+  return each_height(dataset, encoding, grid.columns, grid.rows, [&](int row, int column, double height) {
+    const std::size_t i = static_cast<std::size_t>(row) * grid.columns + column;
+    known[i] = !std::isnan(height);
+    grid.values[i] = known[i] ? static_cast<float>(height) : 0.0f;
+  });
+}
+
+bool is_colour(GDALDataset& dataset) {
+  if (dataset.GetRasterCount() < 3) return false;
+  for (int band = 1; band <= 3; ++band) {
+    if (dataset.GetRasterBand(band)->GetRasterDataType() != GDT_Byte) return false;
+  }
+  return true;
+}
+
+// The corner (west, north) and the size of a pixel of the tile that .../zoom/x/y.png names, in metres of the web map's
+// Mercator projection, as GDAL's geotransform has it.
+std::optional<std::array<double, 6>> tile_transform(const std::string& path, int columns, int rows) {
+  const std::filesystem::path file(path), column = file.parent_path(), zoom = column.parent_path();
+  const auto number = [](const std::string& text) {
+    int value = -1;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size() ? value : -1;
+  };
+  const int z = number(zoom.filename()), x = number(column.filename()), y = number(file.stem());
+  if (z < 0 || z > 30 || x < 0 || y < 0 || x >> z != 0 || y >> z != 0) return std::nullopt;
+  constexpr double kHalf_m = 6378137 * std::numbers::pi;
+  const double size = 2 * kHalf_m / std::exp2(z);
+  return std::array<double, 6>{x * size - kHalf_m, size / columns, 0, kHalf_m - y * size, 0, -size / rows};
 }
 
 std::string in_degrees(const Extent& e) {
@@ -107,7 +163,7 @@ std::string in_degrees(const Extent& e) {
 }  // namespace
 
 struct Elevation::Impl {
-  std::string path;
+  std::string path, vertical_datum;
   Grid grid;
   std::size_t voids = 0;
   bool geographic = false;
@@ -130,13 +186,12 @@ struct Elevation::Impl {
     return {grid.origin_m, grid.origin_m + grid.step_m * glm::dvec2(grid.columns - 1, grid.rows - 1)};
   }
 
-  std::optional<Error> reference(GDALDataset& dataset, Diagnostics* diagnostics);
+  std::optional<Error> reference(const OGRSpatialReference* found, Diagnostics* diagnostics);
 };
 
 // Finds out what the file's coordinates mean.
-std::optional<Error> Elevation::Impl::reference(GDALDataset& dataset, Diagnostics* diagnostics) {
+std::optional<Error> Elevation::Impl::reference(const OGRSpatialReference* found, Diagnostics* diagnostics) {
   extent = own_extent();
-  const OGRSpatialReference* found = dataset.GetSpatialRef();
   if (found == nullptr || found->IsLocal()) {
     const Extent& e = extent;
     geographic = e.low.x >= -181 && e.high.x <= 181 && e.low.y >= -91 && e.high.y <= 91 && grid.step_m.x < 0.1;
@@ -148,6 +203,7 @@ std::optional<Error> Elevation::Impl::reference(GDALDataset& dataset, Diagnostic
     }
   } else {
     geographic = true;
+    if (const char* vertical = found->GetAttrValue("VERT_CS")) vertical_datum = vertical;
     OGRSpatialReference native(*found), wgs84;
     native.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     wgs84.SetWellKnownGeogCS("WGS84");
@@ -177,7 +233,15 @@ Elevation::~Elevation() = default;
 Elevation::Elevation(Elevation&&) noexcept = default;
 Elevation& Elevation::operator=(Elevation&&) noexcept = default;
 
-Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnostics) {
+Result<HeightEncoding> height_encoding_from_name(const std::string& name) {
+  if (name == "heights") return HeightEncoding::kHeights;
+  if (name == "terrain-rgb") return HeightEncoding::kTerrainRgb;
+  if (name == "terrarium") return HeightEncoding::kTerrarium;
+  return Error{ErrorCode::kUsage,
+               "'" + name + "' is no encoding of heights; there are heights, terrain-rgb and terrarium"};
+}
+
+Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnostics, HeightEncoding encoding) {
   static std::once_flag registered;
   std::call_once(registered, [] { GDALAllRegister(); });
   const Quiet quiet;
@@ -193,9 +257,21 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
   Grid& grid = impl->grid;
   grid.columns = dataset->GetRasterXSize();
   grid.rows = dataset->GetRasterYSize();
+  if (is_colour(*dataset) != (encoding != HeightEncoding::kHeights)) {
+    return at_file(path, ErrorCode::kData,
+                   encoding == HeightEncoding::kHeights
+                       ? "the raster holds colours; where they stand for heights, say terrain-rgb or terrarium"
+                       : "the raster holds no colours that could stand for heights");
+  }
   std::array<double, 6> t{};
+  OGRSpatialReference web_map;
+  const OGRSpatialReference* spatial = dataset->GetSpatialRef();
   if (dataset->GetGeoTransform(t.data()) != CE_None) {
-    return at_file(path, ErrorCode::kData, "the raster does not say where it lies (no geotransform)");
+    const auto tile = tile_transform(path, grid.columns, grid.rows);
+    if (!tile) return at_file(path, ErrorCode::kData, "the raster does not say where it lies (no geotransform)");
+    t = *tile;
+    web_map.importFromEPSG(3857);
+    spatial = &web_map;
   }
   if (t[2] != 0 || t[4] != 0 || !(t[1] > 0) || !(t[5] < 0)) {
     return at_file(path, ErrorCode::kData, "the raster is rotated or mirrored; warp it to north-up first");
@@ -208,10 +284,10 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
   // GDAL's geotransform is of pixel corners, heights are of pixel centres.
   grid.step_m = {t[1], -t[5]};
   grid.origin_m = {t[0] + 0.5 * t[1], t[3] + (grid.rows - 0.5) * t[5]};
-  if (auto error = impl->reference(*dataset, diagnostics)) return *error;
+  if (auto error = impl->reference(spatial, diagnostics)) return *error;
 
   std::vector<std::uint8_t> known;
-  if (!read_posts(*dataset->GetRasterBand(1), grid, known)) {
+  if (!read_posts(*dataset, encoding, grid, known)) {
     return at_file(path, ErrorCode::kIo, "reading the heights failed: " + std::string(CPLGetLastErrorMsg()));
   }
   if (std::count(known.begin(), known.end(), std::uint8_t{1}) == 0) {
@@ -254,6 +330,7 @@ double Elevation::post_spacing_m() const {
   return std::min(x, y);
 }
 
+const std::string& Elevation::vertical_datum() const { return impl_->vertical_datum; }
 const std::string& Elevation::path() const { return impl_->path; }
 std::size_t Elevation::voids_filled() const { return impl_->voids; }
 const Grid& Elevation::posts() const { return impl_->grid; }

@@ -14,6 +14,13 @@ namespace roadgen {
 
 enum class Interpolation { kBilinear, kBicubic };
 
+// What the numbers of a raster mean. The two colour encodings are those of web map tiles (red, green and blue bytes):
+// Terrain-RGB is -10000 m + 0.1 m (65536 r + 256 g + b), where black and transparent pixels are voids; Terrarium is
+// 256 r + g + b / 256 - 32768 m, where transparent ones are. Sources: Mapbox; Tilezen Joerd.
+enum class HeightEncoding { kHeights, kTerrainRgb, kTerrarium };
+// "heights", "terrain-rgb" or "terrarium". Errors: kUsage.
+Result<HeightEncoding> height_encoding_from_name(const std::string& name);
+
 // Low and high corner; (longitude, latitude) in degrees, or (x, y) in metres for a model without an Earth reference.
 struct Extent {
   glm::dvec2 low{0, 0}, high{0, 0};
@@ -23,13 +30,17 @@ struct Extent {
 // Immutable after open(); any number of threads may sample.
 class Elevation {
  public:
-  // Reads the first band of any raster that GDAL reads: GeoTIFF, ESRI ASCII grid, SRTM .hgt, and the same inside a .zip
-  // (the first member that is a raster). Heights in feet become metres by the band's unit; scale and offset are
-  // applied. Voids (the file's no-data value, -32768, not finite) are filled from around them, see fill_holes.
+  // Reads any raster that GDAL reads: GeoTIFF, ESRI ASCII grid, SRTM .hgt, VRT mosaics of many, and the same inside a
+  // .zip (the first member that is a raster). Heights in feet become metres by the band's unit; scale and offset are
+  // applied. Voids (the file's no-data value, -32768, not finite) are filled from around them, see fill_holes. Heights
+  // are taken as the file has them, above the geoid or the ellipsoid: vertical_datum() says what the file says of that.
+  // An image without a place whose path ends in zoom/x/y is a tile of the web map's Mercator grid.
   // A file without a coordinate system whose extent fits into [-180, 180] x [-90, 90] is taken for WGS84 longitude and
   // latitude, with a diagnostic; any other is taken for a plane in metres.
-  // Errors: not readable; rotated raster; nothing but voids; fewer than 2 x 2 posts; more than 2^28 posts.
-  static Result<Elevation> open(const std::string& path, Diagnostics* diagnostics = nullptr);
+  // Errors: not readable; rotated raster; nothing but voids; fewer than 2 x 2 posts; more than 2^28 posts; colours where
+  // heights are said to be, or the other way round.
+  static Result<Elevation> open(const std::string& path, Diagnostics* diagnostics = nullptr,
+                                HeightEncoding encoding = HeightEncoding::kHeights);
 
   ~Elevation();
   Elevation(Elevation&&) noexcept;
@@ -52,6 +63,8 @@ class Elevation {
   // Distance of neighbouring posts in metres (the smaller of the two directions).
   double post_spacing_m() const;
 
+  // Name of the vertical coordinate system that the file states, or empty.
+  const std::string& vertical_datum() const;
   const std::string& path() const;
   std::size_t voids_filled() const;
   // The posts as read and filled, in the file's own coordinates, first row southernmost.

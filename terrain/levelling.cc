@@ -3,17 +3,22 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+
+#include "roadgen/road/link.h"
 
 namespace roadgen {
 namespace {
 
 constexpr double kSampleStep_m = 5;       // of the road samples that are blended
+constexpr double kTunnelSides_m = 30;     // how far beside a tunnel the hill over it is kept
 constexpr double kRounding_m = 3;         // of the profile where it leaves the shoulder
 constexpr double kBlendWidth_m = 1.5;     // from the nearest road's own height to the blended one
 constexpr double kNearestWeight_m = 0.5;  // nearer than this all samples weigh the same
+constexpr double kLeastHill = 5;          // length of a hill over a tunnel, in shoulders: two are cut off it
 constexpr double kPerpendicular = 1e-7;   // of L: what counts as a perpendicular foot
 
 // How far the ground may rise or fall at distance d outside the shoulder: parabola, then slope, then without limit.
@@ -27,16 +32,23 @@ double smooth(double t) {
   return t * t * (3 - 2 * t);
 }
 
-// Distance from the carriageway where the road really passes the point, so that the foot is perpendicular or at an
-// open end; negative where it does not (then a neighbouring segment is nearer).
-double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, glm::dvec2 point_m, double shoulder_m,
+// From a level to the ground that is there without it: that ground where it is within the allowance, else the allowance,
+// with a rounded crest and toe: q / (1 + q^4)^(1/4) is q for small q and goes to 1.
+double approach_m(double level_m, double ground_m, double allowance_m) {
+  const double q = (ground_m - level_m) / allowance_m, q2 = q * q;
+  return level_m + (q2 > 1e12 ? std::copysign(allowance_m, q) : allowance_m * q / std::sqrt(std::sqrt(1 + q2 * q2)));
+}
+
+// Distance from the carriageway where the part really passes the point, so that the foot is perpendicular or at its
+// end; negative where it does not (then a neighbour is nearer).
+double passing_edge_m(const SupportedPart& part, const Segment& segment, glm::dvec2 point_m, double shoulder_m,
                       double& z_m) {
-  const Nearest foot = nearest(segment, point_m);
   const double a = segment.slope_start, b = segment.slope_end;
   const glm::dvec2 p = to_chord(segment, point_m);
-  const double df = Lib::road_df(foot.u, a, b), dx = p.x - foot.u, dy = p.y - Lib::road_f(foot.u, a, b);
+  const double u = std::clamp(nearest(segment, point_m).u, part.u0, part.u1);
+  const double df = Lib::road_df(u, a, b), dx = p.x - u, dy = p.y - Lib::road_f(u, a, b);
   const double along = dx + dy * df;
-  const double local = arc_at(segment, foot.u);
+  const double local = arc_at(segment, u);
   const double scale = segment.chord_length_m() / std::sqrt(1 + df * df);
   const double cosine = std::cos(segment.superelevation_rad.value(local));
   const double left = segment.left_m.value(local) * cosine, right = segment.right_m.value(local) * cosine;
@@ -45,9 +57,7 @@ double passing_edge_m(const Road& road, SegmentRef at, const Segment& segment, g
   const Lib::SurfaceSlope surface = surface_at(segment, local, std::clamp(n, right, left));
   z_m = surface.height;
   if (std::abs(along) <= kPerpendicular) return beside;
-  const bool end =
-      !road.closed && ((foot.u <= 0 && at.segment == 0) || (foot.u >= 1 && at.segment + 1 == road.segments.size()));
-  if (!end) return -1;
+  if (!((u <= part.u0 && part.starts_here) || (u >= part.u1 && part.ends_here))) return -1;
   // The grade goes on over the shoulder, else the last triangles under the road would bend.
   z_m += surface.ahead * std::clamp(along * scale, -shoulder_m, shoulder_m);
   return std::hypot(along * scale, beside);
@@ -104,24 +114,36 @@ Grid distance_from_roads(const Network& network, const Grid& like) {
 }
 
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options)
-    : index_(index), natural_(natural), options_(options), distance_(distance_from_roads(index.network(), natural)) {
+    : index_(index),
+      natural_(natural),
+      options_(options),
+      distance_(distance_from_roads(index.network(), natural)),
+      supports_(index.network(), natural, options.cover_m, kLeastHill * options.shoulder_m) {
   std::vector<Sample> all;
-  for (const Road& road : index.network().roads) {
-    for (const Segment& segment : road.segments) {
+  const std::vector<Road>& roads = index.network().roads;
+  for (SegmentRef at{0, 0}; at.road < roads.size(); ++at.road) {
+    for (at.segment = 0; at.segment < roads[at.road].segments.size(); ++at.segment) {
+      const Segment& segment = index.segment(at);
       widest_m_ = std::max(widest_m_, segment.max_half_width_m());
-      const int pieces = std::max(1, static_cast<int>(std::ceil(segment.arc_m / kSampleStep_m)));
-      for (int i = 0; i < pieces; ++i) {
-        const double u = (i + 0.5) / pieces, local = arc_at(segment, u);
-        all.push_back({position_m(segment, u), segment.elevation_m.value(local) - options.gap_m,
-                       std::max(segment.left_m.value(local), -segment.right_m.value(local))});
+      for (const SupportedPart& part : supports_.of(index.network(), at)) {
+        if (part.support != Support::kGround) continue;
+        const double size = part.u1 - part.u0;
+        const int pieces = std::max(1, static_cast<int>(std::ceil(size * segment.arc_m / kSampleStep_m)));
+        for (int i = 0; i < pieces; ++i) {
+          const double u = part.u0 + size * (i + 0.5) / pieces, local = arc_at(segment, u);
+          all.push_back({position_m(segment, u), segment.elevation_m.value(local) - options.gap_m,
+                         std::max(segment.left_m.value(local), -segment.right_m.value(local))});
+        }
       }
     }
   }
+  find_raised();
   slack_m_ = 2 * glm::length(natural.step_m);
   // Buckets as wide as the blending reaches, so that the nine around a point hold every sample of weight.
   bucket_m_ = options_.reach_m + options_.shoulder_m + widest_m_ + 2 * kSampleStep_m;
   Bounds box;
   for (const Sample& s : all) box.add(glm::dvec3(s.position_m, 0));
+  if (all.empty()) box.add({natural.origin_m, 0});  // no road lies on the ground
   bucket_origin_m_ = glm::dvec2(box.low_m) - 1.5 * bucket_m_;
   const glm::dvec2 size = glm::dvec2(box.high_m) - bucket_origin_m_;
   bucket_columns_ = static_cast<int>(size.x / bucket_m_) + 3;
@@ -132,6 +154,33 @@ Levelling::Levelling(const RoadIndex& index, const Grid& natural, const Levellin
   samples_.resize(all.size());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (const Sample& s : all) samples_[next[bucket(s.position_m, 0, 0)]++] = s;
+}
+
+void Levelling::find_raised() {
+  const Network& network = index_.network();
+  const std::vector<bool> in_area = roads_in_areas(network);
+  std::vector<Box> boxes;
+  const auto add = [&](const Raised& raised, const Bounds& bounds) {
+    raised_.push_back(raised);
+    boxes.push_back({glm::dvec3(glm::dvec2(bounds.low_m), 0), glm::dvec3(glm::dvec2(bounds.high_m), 0)});
+  };
+  for (SegmentRef at{0, 0}; at.road < network.roads.size(); ++at.road) {
+    if (in_area[at.road]) continue;
+    for (at.segment = 0; at.segment < network.roads[at.road].segments.size(); ++at.segment) {
+      for (const SupportedPart& part : supports_.of(network, at)) {
+        if (part.support == Support::kBridge) add({at, part}, bounds(index_.segment(at)));
+      }
+    }
+  }
+  for (std::size_t i = 0; i < network.junctions.size(); ++i) {
+    if (supports_.of_junction(i) != Support::kBridge) continue;
+    add({{}, {}, static_cast<std::int32_t>(surfaces_.size())}, bounds(network.junctions[i]));
+    surfaces_.push_back(junction_surface(network.junctions[i]));
+  }
+  if (!boxes.empty()) raised_tree_ = BoxTree(boxes);
+  boxes.clear();
+  for (const Hollow& hollow : supports_.hollows()) boxes.push_back(hollow.box());
+  if (!boxes.empty()) hollow_tree_ = BoxTree(boxes);
 }
 
 std::size_t Levelling::bucket(glm::dvec2 point_m, int dx, int dy) const {
@@ -149,16 +198,20 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
   Wish wish{limit_m, 0};
   double nearest_z = 0, lowest = 1e300;
   index_.visit_within(point_m, limit_m, [&](SegmentRef ref, const Segment& segment) {
-    double z = 0;
-    const double edge = passing_edge_m(index_.network().roads[ref.road], ref, segment, point_m, options_.shoulder_m, z);
-    if (edge < 0 || edge >= limit_m) return;
-    if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
-    if (edge < wish.edge_m) {
-      wish.edge_m = edge;
-      nearest_z = z;
+    for (const SupportedPart& part : supports_.of(index_.network(), ref)) {
+      if (part.support != Support::kGround) continue;
+      double z = 0;
+      const double edge = passing_edge_m(part, segment, point_m, options_.shoulder_m, z);
+      if (edge < 0 || edge >= limit_m) continue;
+      if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
+      if (edge < wish.edge_m) {
+        wish.edge_m = edge;
+        nearest_z = z;
+      }
     }
   });
-  index_.visit_junctions(point_m, limit_m, [&](std::uint32_t, const JunctionSurface& surface) {
+  index_.visit_junctions(point_m, limit_m, [&](std::uint32_t i, const JunctionSurface& surface) {
+    if (supports_.of_junction(i) != Support::kGround) return;
     const double edge = std::max(-signed_distance_m(surface, point_m), 0.0);
     if (edge >= limit_m) return;
     const double z = height_at(surface, point_m).height_m;
@@ -203,22 +256,75 @@ Levelling::Blend Levelling::blend(glm::dvec2 point_m) const {
 }
 
 double Levelling::height_m(glm::dvec2 point_m) const {
+  if (far_distance_m(point_m) >= options_.reach_m + options_.shoulder_m) return sample_bicubic(natural_, point_m);
+  return below_bridges_m(point_m, levelled_m(point_m));
+}
+
+// The ground where it is not above any bridge about, else cut like that of a road on the ground.
+double Levelling::below_bridges_m(glm::dvec2 point_m, double ground_m) const {
+  if (raised_.empty()) return ground_m;
+  const double limit = options_.reach_m + options_.shoulder_m;
+  double least = ground_m;
+  const glm::dvec3 flat(point_m, 0);
+  raised_tree_.search({flat, flat}, {.reach_m = limit}, [&](std::uint32_t item) {
+    const Raised& raised = raised_[item];
+    double z = 0, edge = 0;
+    if (raised.junction >= 0) {
+      const JunctionSurface& surface = surfaces_[static_cast<std::size_t>(raised.junction)];
+      edge = std::max(-signed_distance_m(surface, point_m), 0.0);
+      if (edge < limit) z = height_m_at(surface, point_m);
+    } else {
+      edge = passing_edge_m(raised.part, index_.segment(raised.at), point_m, options_.shoulder_m, z);
+    }
+    if (edge < 0 || edge >= limit) return;
+    const double level = z - options_.gap_m, d = edge - options_.shoulder_m;
+    if (ground_m <= level) return;
+    const double cut =
+        d > 0 ? approach_m(level, ground_m, allowance_m(d, options_.cut_slope, options_.reach_m)) : level;
+    least = std::min(least, cut);
+  });
+  return least;
+}
+
+// What the hill over a tunnel keeps: the vault with its cover, and slopes of fill to its sides.
+double Levelling::over_tunnels_m(glm::dvec2 point_m) const {
+  double highest = -std::numeric_limits<double>::infinity();
+  if (supports_.hollows().empty()) return highest;
+  const glm::dvec3 flat(point_m, 0);
+  hollow_tree_.search({flat, flat}, {.reach_m = kTunnelSides_m}, [&](std::uint32_t item) {
+    const Hollow& h = supports_.hollows()[item];
+    const glm::dvec2 p = to_chord(h.segment, point_m);
+    const double u = nearest(h.segment, point_m).u;
+    if (u < h.piece.u0 || u > h.piece.u1) return;
+    const double df = Lib::road_df(u, h.segment.slope_start, h.segment.slope_end);
+    const double dx = p.x - u, dy = p.y - Lib::road_f(u, h.segment.slope_start, h.segment.slope_end);
+    if (std::abs(dx + dy * df) > kPerpendicular) return;
+    const double s = arc_at(h.segment, u);
+    if (h.from_start_m + s - h.s0_m < options_.shoulder_m || h.to_end_m + h.s1_m - s < options_.shoulder_m) return;
+    const Lib::SweepPath& path = h.piece.path;
+    const double n = (dy - dx * df) * h.segment.chord_length_m() / std::sqrt(1 + df * df) - path.n0 - path.n1 * s;
+    const double vault = h.start_m.z + Lib::road_cubic(s, path.z0, path.z1, path.z2, path.z3) + h.height_m;
+    const double beside = std::max(std::abs(n) - h.half_width_m, 0.0);
+    highest = std::max(highest, vault + options_.cover_m - options_.fill_slope * beside);
+  });
+  return highest;
+}
+
+// The natural ground levelled to the roads on it.
+double Levelling::levelled_m(glm::dvec2 point_m) const {
   const double natural = sample_bicubic(natural_, point_m);
   const double reach = options_.reach_m, limit = reach + options_.shoulder_m;
-  if (far_distance_m(point_m) >= limit) return natural;
   const Wish wish = nearest_roads(point_m, limit);
   if (wish.edge_m >= limit) return natural;
   const double own = wish.lowest_m - options_.gap_m, d = wish.edge_m - options_.shoulder_m;
   if (d <= 0) return own;
   const Blend legs = blend(point_m);
   const double level = glm::mix(own, legs.mean_m, smooth(d / kBlendWidth_m));
-  // The natural ground where it is within the allowance, else the allowance, with a rounded crest and toe:
-  // q / (1 + q^4)^(1/4) is q for small q and goes to 1. A ramp between legs that is steep already gets less of it.
+  // A ramp between legs that is steep already gets less of the allowance.
   const double ramp = legs.deviation_m / (d + 2);
   const double allowance =
       allowance_m(d, natural > level ? options_.cut_slope : options_.fill_slope, reach) / (1 + ramp * ramp);
-  const double q = (natural - level) / allowance, q2 = q * q;
-  return q2 > 1e12 ? level + std::copysign(allowance, q) : level + allowance * q / std::sqrt(std::sqrt(1 + q2 * q2));
+  return std::max(approach_m(level, natural, allowance), std::min(natural, over_tunnels_m(point_m)));
 }
 
 }  // namespace roadgen

@@ -4,6 +4,11 @@
 // departs towards the natural ground no steeper than an embankment or a cutting stands, and takes over the natural
 // ground where it meets it. Between legs of road that lie close together at different heights (hairpins) the heights
 // of the legs are blended by inverse distance; under overlapping carriageways the lowest wins.
+// To bridges (Road::bridges) nothing is raised: where one begins, the road's level strip goes on for a shoulder's width
+// and ends with an embankment. Ground that rises above a deck is cut.
+// Over tunnels whose vault the natural ground covers, it stays: the cutting of the road before the portal goes on for a
+// shoulder's width into the tunnel, and from there on takes no ground within cover_m of the vault, nor any that a slope
+// of fill from there would hold.
 // Source: Loviscach 2005, section 4 and figure 6 (level geometry along roads, a small height gap below them); weights
 // of Franke and Nielson 1980 for the blending.
 #pragma once
@@ -11,8 +16,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "roadgen/query/box_tree.h"
 #include "roadgen/query/road_index.h"
 #include "terrain/grid.h"
+#include "terrain/support.h"
 
 namespace roadgen {
 
@@ -21,6 +28,7 @@ struct LevellingOptions {
   double shoulder_m = 3.0;  // level strip beside the carriageway. >= 0. Default: 3 m
   double cut_slope = 1.0;   // steepest rise of a cutting, height / width. > 0. Default: 1 (rock and firm soil)
   double fill_slope = 0.7;  // steepest fall of an embankment, > 0. Default: 0.7 (2:3, loose fill)
+  double cover_m = 0.5;     // least height of the ground over a tunnel's vault; with less it is cut open. >= 0
   double reach_m = 50;      // from here on, beyond the shoulder, the ground is natural in any case. > 0
 };
 
@@ -35,18 +43,20 @@ class Levelling {
   Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options);
 
   // Height of the levelled ground. Continuous but for where three legs of road meet at different heights within
-  // their shoulders. Cost: far from roads one bicubic sample; near them O(segments within reach).
+  // their shoulders, and where the hill over a tunnel begins. Cost: far from roads one bicubic sample; near them
+  // O(segments within reach).
   double height_m(glm::dvec2 point_m) const;
 
-  // Distance from the nearest carriageway: exact where it is less than limit_m, else at least limit_m or, far away,
-  // a lower bound. 0 on a carriageway.
+  // Distance from the nearest carriageway on the ground: exact where it is less than limit_m, else at least limit_m or,
+  // far away, a lower bound. 0 on a carriageway.
   double edge_distance_m(glm::dvec2 point_m, double limit_m) const;
 
   const LevellingOptions& options() const { return options_; }
   const RoadIndex& index() const { return index_; }
+  const Supports& supports() const { return supports_; }
 
  private:
-  // What the roads around a point want of the ground there.
+  // What the roads on the ground around a point want of it there.
   struct Wish {
     double edge_m;    // from the nearest carriageway's edge
     double lowest_m;  // of the roads whose level strip the point is in; else the nearest road's height
@@ -59,7 +69,17 @@ class Levelling {
   struct Blend {
     double mean_m, deviation_m;
   };
+  // On a bridge: a part of a segment, or a junction's area.
+  struct Raised {
+    SegmentRef at;
+    SupportedPart part;
+    std::int32_t junction = -1;
+  };
+  void find_raised();
   Wish nearest_roads(glm::dvec2 point_m, double limit_m) const;
+  double levelled_m(glm::dvec2 point_m) const;
+  double below_bridges_m(glm::dvec2 point_m, double ground_m) const;
+  double over_tunnels_m(glm::dvec2 point_m) const;
   Blend blend(glm::dvec2 point_m) const;
   double far_distance_m(glm::dvec2 point_m) const;
   std::size_t bucket(glm::dvec2 point_m, int dx, int dy) const;
@@ -70,6 +90,10 @@ class Levelling {
   Grid distance_;
   double widest_m_ = 0;
   double slack_m_ = 0;  // how far distance_ may be off
+  Supports supports_;
+  std::vector<Raised> raised_;
+  std::vector<JunctionSurface> surfaces_;  // of raised areas
+  BoxTree raised_tree_, hollow_tree_;
   // Road samples in square buckets, those of a bucket side by side: first_[b] to first_[b + 1].
   glm::dvec2 bucket_origin_m_{0, 0};
   double bucket_m_ = 1;

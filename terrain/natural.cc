@@ -74,15 +74,28 @@ double hills(glm::dvec2 p) {
   return sum;
 }
 
-// Calls place(point, z) along the centre lines, at most step_m apart.
+// On a bridge or in a tunnel, where the road's height is not the ground's.
+bool is_off_ground(const Road& road, double s_m) {
+  // Ends too: another bridge may follow.
+  constexpr double kRounding_m = 1e-6;
+  const auto holds = [&](const auto& part) {
+    return part.s_start_m - kRounding_m <= s_m && s_m <= part.s_end_m + kRounding_m;
+  };
+  return std::any_of(road.bridges.begin(), road.bridges.end(), holds) ||
+         std::any_of(road.sweeps.begin(), road.sweeps.end(),
+                     [&](const Sweep& sweep) { return sweep.kind() == SweepKind::kTunnel && holds(sweep); });
+}
+
+// Calls place(point, z) along the centre lines, at most step_m apart; those off the ground, too, or not.
 template <class Place>
-void along_roads(const Network& network, double step_m, Place&& place) {
+void along_roads(const Network& network, double step_m, bool off_ground, Place&& place) {
   for (const Road& road : network.roads) {
     for (const Segment& segment : road.segments) {
       const int pieces = std::max(1, static_cast<int>(std::ceil(segment.arc_m / step_m)));
       for (int i = 0; i <= pieces; ++i) {
-        const double u = static_cast<double>(i) / pieces;
-        place(position_m(segment, u), segment.elevation_m.value(arc_at(segment, u)));
+        const double u = static_cast<double>(i) / pieces, local = arc_at(segment, u);
+        if (!off_ground && is_off_ground(road, segment.s_start_m + local)) continue;
+        place(position_m(segment, u), segment.elevation_m.value(local));
       }
     }
   }
@@ -185,15 +198,18 @@ Grid natural_from_roads(const Network& network, const Rectangle& area, double sp
   std::vector<std::uint8_t> known(grid.values.size(), 0);
   std::vector<int> count(grid.values.size(), 0);
   const double step = std::min(grid.step_m.x, grid.step_m.y);
-  along_roads(network, 0.5 * step, [&](glm::dvec2 p, double z) {
+  bool any = false;
+  const auto take = [&](glm::dvec2 p, double z) {
     const glm::dvec2 cell = glm::round((p - grid.origin_m) / grid.step_m);
     const int column = std::clamp(static_cast<int>(cell.x), 0, grid.columns - 1);
     const int row = std::clamp(static_cast<int>(cell.y), 0, grid.rows - 1);
     const std::size_t i = static_cast<std::size_t>(row) * grid.columns + column;
     sum[i] += z;
     ++count[i];
-    known[i] = 1;
-  });
+    known[i] = any = true;
+  };
+  along_roads(network, 0.5 * step, false, take);
+  if (!any) along_roads(network, 0.5 * step, true, take);
   for (std::size_t i = 0; i < known.size(); ++i) {
     if (known[i]) grid.values[i] = static_cast<float>(sum[i] / count[i]);
   }

@@ -34,7 +34,8 @@ double elevation_enu_m(const Elevation& elevation, const Network& network, glm::
 Grid natural_from_elevation(const Elevation& elevation, const Network& network, const Rectangle& area,
                             double spacing_m);
 
-// The same without a model: a membrane through the roads' heights, with rolling hills of about rolling_m height that
+// The same without a model: a membrane through the roads' heights, but for those of bridges and tunnels unless
+// there are no others, with rolling hills of about rolling_m height that
 // fade in with the distance from the roads. Deterministic. Requires: at least one segment; low < high.
 Grid natural_from_roads(const Network& network, const Rectangle& area, double spacing_m, double rolling_m);
 

@@ -1,16 +1,21 @@
 #include "terrain/terrain.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numbers>
-#include <optional>
+#include <set>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "roadgen/geodesy/local_frame.h"
+#include "roadgen/road/parallel.h"
 #include "terrain/bisection.h"
+#include "terrain/plates.h"
 
 namespace roadgen {
 namespace {
@@ -21,70 +26,15 @@ constexpr int kMostTiles = 48;           // each way; larger worlds get larger t
 constexpr int kMostNaturalPosts = 2048;  // each way
 constexpr int kMostRetries = 6;
 constexpr double kRetryFactor = 1.6;
-constexpr double kSaneGrade = 0.3;
 constexpr double kMostRaisedSpacing_m = 4;
+constexpr int kMostRounds = 4;           // of dividing what would be too deep
+constexpr double kNotLevelled_m = 0.25;  // below a road by more than this and the gap, the ground is another road's
 // Far from the roads no leg is longer than this, lest a sampled error miss a whole mountain.
 constexpr double kLegAtRoad_m = 8, kLegPerMetre = 0.12;
 
 double quantised(double x, double quantum) { return std::round(x / quantum) * quantum; }
 
 Error usage(const char* message) { return Error{ErrorCode::kUsage, message}; }
-
-// A point of a carriageway with the height and the slope of its surface there.
-struct SurfacePoint {
-  glm::dvec2 position_m;
-  double z_m;
-  glm::dvec2 gradient;
-};
-
-// Calls visit(SurfacePoint) over every carriageway, at most step_m apart along the outer edge and across; closer where
-// the grade is beyond reason, as in measured roads with faults.
-template <class Visit>
-void over_carriageways(const Network& network, double step_m, Visit&& visit) {
-  for (const Junction& junction : network.junctions) {
-    const JunctionSurface surface = junction_surface(junction);
-    const glm::dvec2 center(surface.center_m), low(surface.low_m), high(surface.high_m);
-    const glm::ivec2 count = glm::max(glm::ivec2(glm::ceil((high - low) / step_m)), 1);
-    for (int i = 0; i <= count.x; ++i) {
-      for (int j = 0; j <= count.y; ++j) {
-        const glm::dvec2 p = center + glm::mix(low, high, glm::dvec2(i, j) / glm::dvec2(count));
-        if (signed_distance_m(surface, p) < 0) continue;
-        const JunctionPoint at = height_at(surface, p);
-        visit(SurfacePoint{p, at.height_m, at.gradient});
-      }
-    }
-  }
-  const std::vector<bool> in_area = roads_in_areas(network);
-  for (std::size_t r = 0; r < network.roads.size(); ++r) {
-    if (in_area[r]) continue;
-    for (const Segment& segment : network.roads[r].segments) {
-      // The outer edge of a bend is longer than the centre line by 1 + curvature * half width.
-      const double widest = segment.max_half_width_m();
-      double bend = 0, grade = 0;
-      for (int i = 0; i <= 8; ++i) {
-        bend = std::max(bend, std::abs(curvature_per_m(segment, i / 8.0)));
-        grade = std::max(grade, std::abs(segment.elevation_m.slope(segment.arc_m * i / 8.0)));
-      }
-      const double stretch = (1 + bend * widest) * std::clamp(grade / kSaneGrade, 1.0, 20.0);
-      const int along = std::max(1, static_cast<int>(std::ceil(segment.arc_m * stretch / step_m)));
-      const int across = std::max(2, static_cast<int>(std::ceil(2 * widest / step_m)));
-      for (int i = 0; i <= along; ++i) {
-        const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
-        const double heading = heading_rad(segment, u), curvature = curvature_per_m(segment, u);
-        const double cosine = std::cos(segment.superelevation_rad.value(local));
-        const double left = segment.left_m.value(local) * cosine, right = segment.right_m.value(local) * cosine;
-        const glm::dvec2 centre = position_m(segment, u), ahead(std::cos(heading), std::sin(heading));
-        for (int j = 0; j <= across; ++j) {
-          const double n = glm::mix(right, left, static_cast<double>(j) / across);
-          const Lib::SurfaceSlope slope = surface_at(segment, local, n);
-          const glm::dvec2 aside(-ahead.y, ahead.x);
-          visit(SurfacePoint{centre + n * aside, slope.height,
-                             slope.ahead / std::max(1 - n * curvature, 0.05) * ahead + slope.aside * aside});
-        }
-      }
-    }
-  }
-}
 
 }  // namespace
 
@@ -97,16 +47,25 @@ struct Terrain::Impl {
   int k = 9;
   glm::ivec2 tile_count{1, 1};
   std::unique_ptr<Bisection> mesh;
+  std::vector<Hollow> hollows;
+  BoxTree hollow_tree;
 
   glm::dvec2 to_world(glm::dvec2 lattice) const { return origin_m + unit_m * lattice; }
   glm::dvec2 to_lattice(glm::dvec2 point_m) const { return (point_m - origin_m) / unit_m; }
 
   void lay_out(const Network& network, const Elevation* elevation);
   Grid natural_ground(const Network& network, const Elevation* elevation) const;
-  bool is_wanted(const Levelling& ground, const Bisection::Triangle& t, double factor) const;
-  void triangulate(const Levelling& ground);
-  void correct(const Network& network);
-  void measure(const Network& network, const Grid& natural);
+  std::array<glm::dvec3, 3> corners(const Bisection::Triangle& t) const;
+  bool is_wanted(const Levelling& ground, const Plates& roads, const Bisection::Triangle& t, double factor) const;
+  void triangulate(const Levelling& ground, const Plates& roads);
+  void guarantee(const Plates& roads);
+  void lower(const Plates& roads);
+  std::vector<std::int32_t> prove(const Plates& roads);
+  void measure(const Network& network, const Supports& supports, const Grid& natural);
+  void find_hollows(const Supports& supports);
+  std::vector<std::uint32_t> hollows_met(const std::array<glm::dvec3, 3>& triangle) const;
+  const Hollow* hollow_above(glm::dvec3 point_m) const;
+  void add_cuts(const std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>>& cut, TerrainMesh& out);
   void emit(const Levelling& ground);
   void tell(double fraction) const {
     if (options.progress) options.progress(fraction);
@@ -183,17 +142,29 @@ Grid Terrain::Impl::natural_ground(const Network& network, const Elevation* elev
   return natural_from_elevation(*elevation, network, report.area, spacing);
 }
 
-// Whether a triangle is too coarse: it may touch a carriageway, or has long legs, or deviates from the ground.
-bool Terrain::Impl::is_wanted(const Levelling& ground, const Bisection::Triangle& t, double factor) const {
+std::array<glm::dvec3, 3> Terrain::Impl::corners(const Bisection::Triangle& t) const {
+  const auto corner = [&](std::uint32_t v) {
+    return glm::dvec3(to_world(glm::dvec2(mesh->lattice(v))), mesh->height(v));
+  };
+  return {corner(t.apex), corner(t.left), corner(t.right)};
+}
+
+// Whether a triangle is too coarse: under a carriageway it could not be low enough everywhere and nowhere too low, or it
+// has long legs, or deviates from the ground.
+bool Terrain::Impl::is_wanted(const Levelling& ground, const Plates& roads, const Bisection::Triangle& t,
+                              double factor) const {
   const glm::dvec2 left(mesh->lattice(t.left)), right(mesh->lattice(t.right)), apex(mesh->lattice(t.apex));
   const glm::dvec2 middle = 0.5 * (left + right);  // of the circle around a right triangle
   const double radius = 0.5 * glm::length(right - left) * unit_m;
   const double leg = std::numbers::sqrt2 * radius;
   const double edge = ground.edge_distance_m(to_world(middle), radius + 4 * unit_m) - radius;
-  if (edge <= 0) return true;
-  if (leg > factor * (kLegAtRoad_m + kLegPerMetre * edge)) return true;
+  if (leg > factor * (kLegAtRoad_m + kLegPerMetre * std::max(edge, 0.0))) return true;
+  if (edge <= 0) {
+    const ClearanceBounds clearance = roads.over(corners(t));
+    if (clearance.most_m - clearance.least_m > options.most_clearance_m - options.least_clearance_m) return true;
+  }
 
-  const double tolerance = factor * (options.tolerance_m + options.tolerance_per_m * edge);
+  const double tolerance = factor * (options.tolerance_m + options.tolerance_per_m * std::max(edge, 0.0));
   const auto misses = [&](double to_left, double to_right) {
     const double plane = mesh->height(t.apex) + to_left * (mesh->height(t.left) - mesh->height(t.apex)) +
                          to_right * (mesh->height(t.right) - mesh->height(t.apex));
@@ -203,59 +174,161 @@ bool Terrain::Impl::is_wanted(const Levelling& ground, const Bisection::Triangle
   return misses(0.5, 0.5) || misses(0.5, 0) || misses(0, 0.5) || (t.level < 2 * k - 3 && misses(0.25, 0.25));
 }
 
-void Terrain::Impl::triangulate(const Levelling& ground) {
+void Terrain::Impl::triangulate(const Levelling& ground, const Plates& roads) {
   const auto height = [&](glm::ivec2 p) { return quantised(ground.height_m(to_world(glm::dvec2(p))), kVertical_m); };
   double factor = 1;
   for (int attempt = 0;; ++attempt, factor *= kRetryFactor) {
     mesh = std::make_unique<Bisection>(tile_count, k, height);
     const std::size_t most = attempt < kMostRetries ? options.max_triangles : SIZE_MAX;
-    if (mesh->refine([&](const Bisection::Triangle& t) { return is_wanted(ground, t, factor); }, most)) break;
+    if (mesh->refine([&](const Bisection::Triangle& t) { return is_wanted(ground, roads, t, factor); }, most)) break;
   }
   report.tolerance_factor = factor;
 }
 
-// Lowers the triangle under every sample of a carriageway that has too little clearance: less than kCorrectedClearance,
-// or so little that the difference of the two slopes could use up what is more than kLeastClearance on half the way to
-// the next sample. Lowering never takes clearance away elsewhere, so one pass is enough.
-void Terrain::Impl::correct(const Network& network) {
-  const double gap = options.levelling.gap_m, half_way = kClearanceStep_m / std::numbers::sqrt2;
-  over_carriageways(network, kClearanceStep_m, [&](const SurfacePoint& p) {
-    const glm::dvec2 place = to_lattice(p.position_m);
-    const std::int32_t leaf = mesh->find(place);
-    const double between = half_way * glm::length(p.gradient - mesh->gradient(leaf) / unit_m);
-    const double wanted = std::max(kCorrectedClearance * gap, kLeastClearance * gap + between);
-    const double lacking = wanted - (p.z_m - mesh->height_on(leaf, place));
+// Lowers every triangle whose proven clearance is too small. That takes clearance away nowhere, so one pass is enough.
+void Terrain::Impl::lower(const Plates& roads) {
+  report.triangles_lowered = 0;
+  report.lowered_max_m = 0;
+  mesh->each_leaf([&](std::int32_t leaf) {
+    const Bisection::Triangle& t = mesh->triangle(leaf);
+    const double lacking = options.least_clearance_m - roads.over(corners(t)).least_m;
     if (lacking <= 0) return;
     const double by = std::ceil(lacking / kVertical_m) * kVertical_m;
-    const Bisection::Triangle& t = mesh->triangle(leaf);
     for (const std::uint32_t vertex : {t.apex, t.left, t.right}) mesh->set_height(vertex, mesh->height(vertex) - by);
     ++report.triangles_lowered;
     report.lowered_max_m = std::max(report.lowered_max_m, by);
   });
 }
 
-void Terrain::Impl::measure(const Network& network, const Grid& natural) {
-  const Clearance c =
-      measure_clearance(network, kClearanceStep_m, [&](glm::dvec2 p) { return mesh->height_at(to_lattice(p)); });
-  report.clearance_min_m = c.min_m;
-  report.clearance_max_m = c.max_m;
-  report.clearance_samples = c.samples;
-  for (const Road& road : network.roads) {
-    for (const Segment& segment : road.segments) {
-      for (const double u : {0.0, 0.5}) {
-        const double above =
-            segment.elevation_m.value(arc_at(segment, u)) - sample_bicubic(natural, position_m(segment, u));
-        report.highest_fill_m = std::max(report.highest_fill_m, above);
-        report.deepest_cut_m = std::max(report.deepest_cut_m, -above);
+// Reports the bounds of the clearance, and returns the triangles that lie too deep and may be divided.
+std::vector<std::int32_t> Terrain::Impl::prove(const Plates& roads) {
+  report.clearance_min_m = std::numeric_limits<double>::infinity();
+  report.clearance_max_m = -report.clearance_min_m;
+  report.triangles_under_roads = 0;
+  std::size_t deep = 0;
+  std::vector<std::int32_t> divisible;
+  mesh->each_leaf([&](std::int32_t leaf) {
+    const std::array<glm::dvec3, 3> t = corners(mesh->triangle(leaf));
+    const ClearanceBounds clearance = roads.over(t);
+    if (!clearance.touches()) return;
+    ++report.triangles_under_roads;
+    report.clearance_min_m = std::min(report.clearance_min_m, clearance.least_m);
+    if (clearance.most_m > report.clearance_max_m) {
+      report.clearance_max_m = clearance.most_m;
+      report.clearance_max_at_m = t[0];
+    }
+    if (clearance.most_m <= options.most_clearance_m) return;
+    ++deep;
+    if (mesh->triangle(leaf).level < mesh->finest()) divisible.push_back(leaf);
+  });
+  report.too_deep =
+      static_cast<double>(deep) / static_cast<double>(std::max<std::size_t>(report.triangles_under_roads, 1));
+  return divisible;
+}
+
+// Vertices are shared: what is lowered for one triangle may make another too deep, which is then divided, and all begins
+// again from the levelled ground.
+void Terrain::Impl::guarantee(const Plates& roads) {
+  for (int round = 0;; ++round) {
+    std::vector<double> aimed(mesh->vertices());
+    for (std::uint32_t v = 0; v < aimed.size(); ++v) aimed[v] = mesh->height(v);
+    lower(roads);
+    const std::vector<std::int32_t> deep = prove(roads);
+    if (deep.empty() || round == kMostRounds) return;
+    std::set<std::array<std::uint32_t, 3>> marked;
+    for (const std::int32_t leaf : deep) {
+      const Bisection::Triangle& t = mesh->triangle(leaf);
+      marked.insert({t.apex, t.left, t.right});
+    }
+    for (std::uint32_t v = 0; v < aimed.size(); ++v) mesh->set_height(v, aimed[v]);
+    mesh->refine([&](const Bisection::Triangle& t) { return marked.contains({t.apex, t.left, t.right}); }, SIZE_MAX);
+  }
+}
+
+void Terrain::Impl::measure(const Network& network, const Supports& supports, const Grid& natural) {
+  for (SegmentRef at{0, 0}; at.road < network.roads.size(); ++at.road) {
+    for (at.segment = 0; at.segment < network.roads[at.road].segments.size(); ++at.segment) {
+      const Segment& segment = network.roads[at.road].segments[at.segment];
+      for (const SupportedPart& part : supports.of(network, at)) {
+        if (part.support != Support::kGround) continue;
+        for (const double u : {part.u0, 0.5 * (part.u0 + part.u1)}) {
+          const double above =
+              segment.elevation_m.value(arc_at(segment, u)) - sample_bicubic(natural, position_m(segment, u));
+          report.highest_fill_m = std::max(report.highest_fill_m, above);
+          report.deepest_cut_m = std::max(report.deepest_cut_m, -above);
+        }
       }
     }
+  }
+  report.bridge_parts = supports.parts(Support::kBridge);
+  report.bridge_m = supports.length_m(Support::kBridge);
+  report.tunnel_parts = supports.parts(Support::kTunnel);
+  report.tunnel_m = supports.length_m(Support::kTunnel);
+}
+
+void Terrain::Impl::find_hollows(const Supports& supports) {
+  hollows = supports.hollows();
+  std::vector<Box> boxes;
+  for (const Hollow& hollow : hollows) boxes.push_back(hollow.box());
+  if (!boxes.empty()) hollow_tree = BoxTree(boxes);
+}
+
+std::vector<std::uint32_t> Terrain::Impl::hollows_met(const std::array<glm::dvec3, 3>& triangle) const {
+  std::vector<std::uint32_t> met;
+  if (hollows.empty()) return met;
+  const auto [a, b, c] = triangle;
+  const Box about{glm::dvec3(glm::dvec2(glm::min(a, glm::min(b, c))), 0),
+                  glm::dvec3(glm::dvec2(glm::max(a, glm::max(b, c))), 0)};
+  hollow_tree.search(about, {.reach_m = 0}, [&](std::uint32_t i) {
+    if (hollows[i].may_meet(triangle)) met.push_back(i);
+  });
+  std::sort(met.begin(), met.end());
+  return met;
+}
+
+// The hollow whose vault the point lies below; of several the one whose floor is nearest to it.
+const Hollow* Terrain::Impl::hollow_above(glm::dvec3 point_m) const {
+  const Hollow* found = nullptr;
+  if (hollows.empty()) return found;
+  double nearest = std::numeric_limits<double>::infinity();
+  const glm::dvec3 flat(glm::dvec2(point_m), 0);
+  hollow_tree.search({flat, flat}, {.reach_m = 0}, [&](std::uint32_t i) {
+    if (!hollows[i].is_above(point_m)) return;
+    const double off = std::abs(hollows[i].floor_at(glm::dvec2(point_m)).height_m - point_m.z);
+    if (off < nearest) nearest = off, found = &hollows[i];
+  });
+  return found;
+}
+
+void Terrain::Impl::add_cuts(const std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>>& cut,
+                             TerrainMesh& out) {
+  std::map<std::uint32_t, std::uint32_t> place;  // of every hollow in the tile's own list
+  for (const auto& [met, triangles] : cut) {
+    TerrainMesh::Cut& group = out.cuts.emplace_back();
+    group.first = static_cast<std::uint32_t>(out.triangles.size());
+    group.count = static_cast<std::uint32_t>(triangles.size());
+    out.triangles.insert(out.triangles.end(), triangles.begin(), triangles.end());
+    for (const std::uint32_t i : met) {
+      const auto [at, is_new] = place.emplace(i, static_cast<std::uint32_t>(out.hollows.size()));
+      if (is_new) out.hollows.push_back(hollows[i]);
+      group.hollows.push_back(at->second);
+    }
+    report.triangles_cut += triangles.size() / 3;
   }
 }
 
 void Terrain::Impl::emit(const Levelling& ground) {
   std::vector<std::uint32_t> local(mesh->vertices());
   std::vector<std::int32_t> seen(mesh->vertices(), -1);
-  std::vector<glm::vec3> normals(mesh->vertices(), glm::vec3(0));
+  std::vector<glm::vec3> normals(mesh->vertices());
+  for_each_index(normals.size(), [&](std::size_t v) {
+    const glm::dvec2 w = to_world(glm::dvec2(mesh->lattice(static_cast<std::uint32_t>(v)))), east(unit_m, 0),
+                     north(0, unit_m);
+    const glm::dvec2 slope(ground.height_m(w + east) - ground.height_m(w - east),
+                           ground.height_m(w + north) - ground.height_m(w - north));
+    normals[v] = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * unit_m)));
+  });
+  tell(0.9);
   const Bounds roads = bounds(ground.index().network());
   const double z0 = quantised(0.5 * (roads.low_m.z + roads.high_m.z), 1.0);
   for (int tile = 0; tile < tile_count.x * tile_count.y; ++tile) {
@@ -263,8 +336,12 @@ void Terrain::Impl::emit(const Levelling& ground) {
     const glm::ivec2 centre = place * mesh->cells() + mesh->cells() / 2;
     TerrainMesh out;
     out.origin_m = glm::dvec3(to_world(glm::dvec2(centre)), z0);
+    // Those that meet hollows, by which.
+    std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>> cut;
     for (const std::int32_t leaf : mesh->leaves_of(place)) {
       const Bisection::Triangle& t = mesh->triangle(leaf);
+      const std::vector<std::uint32_t> met = hollows_met(corners(t));
+      std::vector<std::uint32_t>& into = met.empty() ? out.triangles : cut[met];
       for (const std::uint32_t v : {t.apex, t.left, t.right}) {
         if (seen[v] != tile) {
           seen[v] = tile;
@@ -272,20 +349,14 @@ void Terrain::Impl::emit(const Levelling& ground) {
           const glm::ivec2 p = mesh->lattice(v);
           const glm::dvec2 flat = unit_m * glm::dvec2(p - centre);
           out.positions_m.emplace_back(flat.x, flat.y, mesh->height(v) - z0);
-          glm::vec3& normal = normals[v];
-          if (normal.z == 0) {
-            const glm::dvec2 w = to_world(glm::dvec2(p)), east(unit_m, 0), north(0, unit_m);
-            const glm::dvec2 slope(ground.height_m(w + east) - ground.height_m(w - east),
-                                   ground.height_m(w + north) - ground.height_m(w - north));
-            normal = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * unit_m)));
-          }
-          out.normals.push_back(normal);
+          out.normals.push_back(normals[v]);
         }
-        out.triangles.push_back(local[v]);
+        into.push_back(local[v]);
       }
     }
+    add_cuts(cut, out);
     tiles.push_back(std::move(out));
-    tell(0.8 + 0.2 * (tile + 1) / (tile_count.x * tile_count.y));
+    tell(0.9 + 0.1 * (tile + 1) / (tile_count.x * tile_count.y));
   }
   report.triangles = mesh->leaves();
   report.vertices = mesh->vertices();
@@ -303,8 +374,11 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   if (network.segment_count() == 0) return Error{ErrorCode::kData, "the network has no roads to lay terrain under"};
   if (!(options.margin_m > 0)) return usage("the terrain's margin must be positive");
   if (!(options.spacing_m >= 0.25 && options.spacing_m <= 16)) return usage("the post spacing must be 0.25 to 16 m");
-  if (!(l.gap_m > 0 && l.shoulder_m >= 0 && l.cut_slope > 0 && l.fill_slope > 0 && l.reach_m > 0)) {
-    return usage("gap, slopes and reach of the levelling must be positive");
+  if (!(l.gap_m > 0 && l.shoulder_m >= 0 && l.cut_slope > 0 && l.fill_slope > 0 && l.reach_m > 0 && l.cover_m >= 0)) {
+    return usage("gap, slopes and reach of the levelling must be positive, shoulder and cover not negative");
+  }
+  if (!(options.least_clearance_m > 0 && options.most_clearance_m > options.least_clearance_m)) {
+    return usage("the least clearance under the roads must be positive, and less than the most");
   }
   if (!(options.tolerance_m > 0 && options.tolerance_per_m > 0)) return usage("the tolerances must be positive");
   if (elevation != nullptr) {
@@ -321,10 +395,15 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   impl->tell(0.15);
   const RoadIndex index(network);
   const Levelling ground(index, natural, impl->options.levelling);
-  impl->triangulate(ground);
+  Plates roads(network, ground.supports());
+  const double level_m = impl->options.levelling.gap_m + kNotLevelled_m;
+  roads.find_levelled([&](glm::dvec2 p) { return ground.height_m(p); }, level_m);
+  impl->tell(0.3);
+  impl->triangulate(ground, roads);
   impl->tell(0.65);
-  impl->correct(network);
-  impl->measure(network, natural);
+  impl->guarantee(roads);
+  impl->find_hollows(ground.supports());
+  impl->measure(network, ground.supports(), natural);
   impl->tell(0.8);
   impl->emit(ground);
   impl->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -341,16 +420,15 @@ glm::dvec3 Terrain::normal(glm::dvec2 point_m) const {
   return glm::normalize(glm::dvec3(-mesh.gradient(mesh.find(impl_->to_lattice(point_m))) / impl_->unit_m, 1));
 }
 
-Clearance measure_clearance(const Network& network, double step_m,
-                            const std::function<double(glm::dvec2)>& ground_height_m) {
-  Clearance c{1e300, -1e300, 0};
-  over_carriageways(network, step_m, [&](const SurfacePoint& p) {
-    const double clearance = p.z_m - ground_height_m(p.position_m);
-    c.min_m = std::min(c.min_m, clearance);
-    c.max_m = std::max(c.max_m, clearance);
-    ++c.samples;
-  });
-  return c.samples > 0 ? c : Clearance{};
+double Terrain::height_m(glm::dvec3 point_m) const {
+  const Hollow* tunnel = impl_->hollow_above(point_m);
+  return tunnel ? tunnel->floor_at(glm::dvec2(point_m)).height_m : height_m(glm::dvec2(point_m));
+}
+
+glm::dvec3 Terrain::normal(glm::dvec3 point_m) const {
+  const Hollow* tunnel = impl_->hollow_above(point_m);
+  return tunnel ? glm::normalize(glm::dvec3(-tunnel->floor_at(glm::dvec2(point_m)).gradient, 1))
+                : normal(glm::dvec2(point_m));
 }
 
 Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path) {

@@ -4,7 +4,8 @@
 //   auto dem = Elevation::open("dem.tif");
 //   auto terrain = Terrain::build(network, &*dem, {});
 //   for (const TerrainMesh& tile : terrain->tiles()) draw(tile);
-//   double z = terrain->height_m({x, y});
+//   double z = terrain->height_m({x, y});          // seen from above
+//   double below = terrain->height_m({x, y, z0});  // of a wheel, perhaps in a tunnel
 //
 // Source: Loviscach 2005, section 4 and figure 6.
 #pragma once
@@ -20,6 +21,7 @@
 #include "roadgen/road/network.h"
 #include "roadgen/road/result.h"
 #include "terrain/elevation.h"
+#include "terrain/hollow.h"
 #include "terrain/levelling.h"
 #include "terrain/natural.h"
 
@@ -31,7 +33,14 @@ struct TerrainOptions {
   // Distance of the mesh's posts under the carriageways; rounded down to a multiple of 1/64 m so that tiles fit.
   // [0.25, 16]. Default: 2 m
   double spacing_m = 2;
-  LevellingOptions levelling;  // shoulder_m is raised to 1.5 spacing_m where it is less: the claim below rests on it
+  LevellingOptions
+      levelling;  // shoulder_m is raised to 1.5 spacing_m where it is less, lest triangles bend under a road
+  // The guarantee: how far at least every carriageway lies above the ground, and how far at most where the ground is
+  // levelled to it. 0 < least < most. The ground is aimed at levelling.gap_m below the road; triangles whose proven
+  // clearance is less than the least are lowered, those of which some would then come to more than the most are divided
+  // as long as spacing_m allows. Defaults: 2 cm, 12 cm
+  double least_clearance_m = 0.02;
+  double most_clearance_m = 0.12;
   // What the mesh may deviate from the levelled ground: tolerance_m at the roads, and tolerance_per_m more for every
   // metre away from them. > 0. Default: 0.12 m and 2 mm per metre, about 2 pixels at 60 degrees and 1080 lines
   double tolerance_m = 0.12;
@@ -50,16 +59,34 @@ struct TerrainMesh {
   std::vector<glm::vec3> positions_m;    // relative to origin_m
   std::vector<glm::vec3> normals;        // unit, of the levelled ground itself, not of the triangles
   std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise seen from above
+  // Triangles that may reach into tunnels come last, in groups: what of a group lies in one of its hollows is cut away.
+  struct Cut {
+    std::uint32_t first = 0, count = 0;  // of triangles, as indices into it
+    std::vector<std::uint32_t> hollows;  // of the tile's
+  };
+  std::vector<Cut> cuts;
+  std::vector<Hollow> hollows;
+  // How many of the indices in `triangles` come before those of the cuts.
+  std::size_t whole() const { return cuts.empty() ? triangles.size() : cuts.front().first; }
 };
 
 struct TerrainReport {
-  // Of the carriageways above the mesh, everywhere sampled at most kClearanceStep_m apart. Least: at least
-  // kLeastClearance * gap_m. Greatest: large only where a road passes over another or its heights have faults.
+  // Of the carriageways above the triangles, by bounds that hold everywhere, not by samples (terrain/plates.h). Least: at
+  // least least_clearance_m, of all carriageways. Greatest: of those that the ground is levelled to, which bridges and
+  // roads over others are not; more than most_clearance_m only where legs at different heights lie closer than the posts.
   double clearance_min_m = 0, clearance_max_m = 0;
-  std::size_t clearance_samples = 0;
-  std::size_t triangles_lowered = 0;  // by the correction pass, and how far at most at once
+  glm::dvec2 clearance_max_at_m{0, 0};    // a corner of the triangle where that is
+  double too_deep = 0;                    // part of the triangles under roads that exceed most_clearance_m
+  std::size_t triangles_under_roads = 0;  // that the guarantee was proven for
+  std::size_t triangles_lowered = 0;      // of them, and how far at most
   double lowered_max_m = 0;
-  double deepest_cut_m = 0, highest_fill_m = 0;  // of the carriageways against the natural ground, along the centre
+  // Of the carriageways on the ground against the natural one, along the centre.
+  double deepest_cut_m = 0, highest_fill_m = 0;
+  std::size_t bridge_parts = 0;  // parts of roads on bridges, and their length
+  double bridge_m = 0;
+  std::size_t tunnel_parts = 0;  // in tunnels under a hill that is kept, and their length
+  double tunnel_m = 0;
+  std::size_t triangles_cut = 0;  // that reach into these tunnels
   std::size_t voids_filled = 0;
   std::size_t triangles = 0, vertices = 0, tiles = 0;
   double spacing_m = 0;          // of the mesh's posts under the carriageways, as used
@@ -70,17 +97,12 @@ struct TerrainReport {
   double seconds = 0;            // wall clock of the build
 };
 
-// The mesh is corrected where it comes nearer to the road than the first, as part of gap_m; what then holds everywhere,
-// between the samples too, is the second.
-inline constexpr double kCorrectedClearance = 0.75;
-inline constexpr double kLeastClearance = 0.5;
-inline constexpr double kClearanceStep_m = 0.4;
-
 // Immutable after build(): any number of threads may ask.
 class Terrain {
  public:
   // The terrain of a network; without elevation (nullptr) the roads' own heights make the ground.
-  // No terrain shows through any carriageway: at every point of it the mesh is at least kLeastClearance * gap_m lower.
+  // No terrain shows through any carriageway: at every point of it the mesh is at least least_clearance_m lower. Where a
+  // hill covers a tunnel, no triangle but those of TerrainMesh::cuts reaches into the tunnel's clear space.
   // Errors: no roads; the elevation does not cover them (both extents in degrees); options out of range (kUsage).
   // Cost: about 1 s per 100 000 triangles.
   static Result<Terrain> build(const Network& network, const Elevation* elevation, const TerrainOptions& options = {});
@@ -92,25 +114,24 @@ class Terrain {
   const std::vector<TerrainMesh>& tiles() const;
   const TerrainReport& report() const;
 
-  // Height of the mesh, as drawn; outside its area that of the nearest place of its border. Cost: O(log) , < 1 us.
+  // Height of the mesh, as drawn; outside its area that of the nearest place of its border. Over tunnels the hill's; at
+  // their portals also where a part of a triangle is cut away, to be looked through. Cost: O(log) , < 1 us.
   double height_m(glm::dvec2 point_m) const;
-
   // Unit normal of the triangle there.
   glm::dvec3 normal(glm::dvec2 point_m) const;
+
+  // The same under a point whose height tells the hill over a tunnel from the tunnel: where the point lies below the
+  // vault, the tunnel's floor, which is the walkways' top and between them the carriageway's surface without raised
+  // lanes; elsewhere the mesh. So of a place of the mesh that is cut away the floor is told. Tunnels that are cut open have
+  // no floor but the ground. Cost: as above, and 1 us near tunnels.
+  double height_m(glm::dvec3 point_m) const;
+  glm::dvec3 normal(glm::dvec3 point_m) const;
 
  private:
   struct Impl;
   explicit Terrain(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-// The clearance of every carriageway above a ground, sampled at most step_m apart along and across.
-struct Clearance {
-  double min_m = 0, max_m = 0;
-  std::size_t samples = 0;
-};
-Clearance measure_clearance(const Network& network, double step_m,
-                            const std::function<double(glm::dvec2)>& ground_height_m);
 
 // The terrain's heights in the datum of the network, on a longitude/latitude grid with posts post_m apart, as GeoTIFF.
 // Errors: no georeference; more than 2^28 posts; not writable.

@@ -10,3 +10,5 @@ ctest --preset release -j"$(nproc)" "$@"
 echo "tests: under AddressSanitizer and UBSan"
 # Leaks are those of Mesa, GDAL and the rest at exit; the tests of 100,000 points take minutes here and seconds above.
 ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -j"$(nproc)" -L 'unit|cli' -E HundredThousand "$@"
+.ci/build.sh fuzz
+tests/fuzz/run.sh

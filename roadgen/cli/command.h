@@ -57,5 +57,6 @@ int run_query(const Arguments& arguments);
 int run_render(const Arguments& arguments);
 int run_fly(const Arguments& arguments);
 int run_export(const Arguments& arguments);
+int run_terrain(const Arguments& arguments);
 
 }  // namespace roadgen::cli

@@ -30,6 +30,7 @@ int hand_over(const char* command, const Arguments& arguments) {
 }  // namespace
 
 int run_export(const Arguments& arguments) { return hand_over("export", arguments); }
+int run_terrain(const Arguments& arguments) { return hand_over("terrain", arguments); }
 int run_render(const Arguments& arguments) { return hand_over("render", arguments); }
 int run_fly(const Arguments& arguments) { return hand_over("fly", arguments); }
 

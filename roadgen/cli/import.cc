@@ -10,6 +10,7 @@
 #include "roadgen/cli/command.h"
 #include "roadgen/export/atomic_file.h"
 #include "roadgen/export/opendrive.h"
+#include "roadgen/import/html_report.h"
 #include "roadgen/import/text_file.h"
 
 namespace roadgen::cli {
@@ -18,7 +19,7 @@ namespace {
 constexpr const char* kName = "roadgen import";
 
 struct Options {
-  std::vector<std::string> sources;
+  std::vector<std::string> sources, fields;
   std::string output, report, origin, tangents = "fit", closed = "auto";
   ImportOptions import;
 };
@@ -60,16 +61,41 @@ void declare(CLI::App& app, Options& o) {
                  "points, with continuous curvature")
       ->check(CLI::IsMember({"fit", "catmull-rom", "curvature"}))
       ->capture_default_str();
-  app.add_option("--width", o.import.width_m, "Width of the whole road where the file has none, m")
+  app.add_option("--width", o.import.width_m,
+                 "Width of the whole road where the file has none, m; of two lanes where it has a number of them")
       ->capture_default_str();
+  app.add_option("--field", o.fields,
+                 "WHAT=NAME: where the files say the road's width (m), number of lanes, height (m) or name, WHAT being "
+                 "one of these words: a column of a .csv, a property of features. May be given several times");
   app.add_option("--closed", o.closed, "auto, yes or no: whether a line is a loop")
       ->check(CLI::IsMember({"auto", "yes", "no"}))
       ->capture_default_str();
+  app.add_flag("--reject-outliers", o.import.reject_outliers,
+               "Leave out points that lie off the course of their neighbours by more than 3 times the allowed error");
   app.add_flag("--left-hand", o.import.left_hand_traffic, "OpenStreetMap: traffic keeps left");
-  app.add_option("--report", o.report, "JSON file for certificates and diagnostics; - for standard output");
+  app.add_option("--report", o.report,
+                 "Certificates and diagnostics: JSON, - for standard output; or a page with plan and plots, .html");
+}
+
+Status take_field(const std::string& text, FieldNames& fields) {
+  const std::size_t at = text.find('=');
+  const std::string what = text.substr(0, at), name = at == text.npos ? "" : text.substr(at + 1);
+  std::string* const field = what == "width"    ? &fields.width
+                             : what == "lanes"  ? &fields.lanes
+                             : what == "height" ? &fields.height
+                             : what == "name"   ? &fields.name
+                                                : nullptr;
+  if (field && !name.empty()) {
+    *field = name;
+    return Done{};
+  }
+  return Error{ErrorCode::kUsage, "--field " + text + ": expected width=NAME, lanes=NAME, height=NAME or name=NAME"};
 }
 
 Status settle(Options& o) {
+  for (const std::string& field : o.fields) {
+    if (Status status = take_field(field, o.import.fields); !status) return status;
+  }
   if (!o.origin.empty()) {
     const Result<Georeference> origin = parse_origin(o.origin);
     if (!origin) return origin.error();
@@ -136,7 +162,9 @@ int run_import(const Arguments& arguments) {
 
   if (Status status = write_opendrive(result->network, o.output); !status) return fail(kName, status.error());
   if (!o.report.empty()) {
-    if (Status status = put_out(import_report(*result), o.report); !status) return fail(kName, status.error());
+    const bool page = std::filesystem::path(o.report).extension() == ".html";
+    const std::string report = page ? import_html(*result) : import_report(*result);
+    if (Status status = put_out(report, o.report); !status) return fail(kName, status.error());
   }
   print_diagnostics(result->diagnostics, o.report.empty() ? "; --report FILE lists them" : ", in " + o.report);
   print_certificates(*result);

@@ -32,13 +32,18 @@ LaneCount lanes_of(const Road& road) {
   return most;
 }
 
-// Of sweeps by their kind.
+// Of sweeps by their kind, and bridges.
 Json structures_of(const Network& network) {
-  std::size_t count[4] = {};
+  std::size_t count[4] = {}, bridges = 0;
   for (const Road& road : network.roads) {
+    bridges += road.bridges.size();
     for (const Sweep& sweep : road.sweeps) ++count[static_cast<std::size_t>(sweep.kind())];
   }
-  return {{"tunnels", count[0]}, {"guard_rails", count[1]}, {"pipes", count[2]}, {"cables", count[3]}};
+  return {{"tunnels", count[0]},
+          {"guard_rails", count[1]},
+          {"pipes", count[2]},
+          {"cables", count[3]},
+          {"bridges", bridges}};
 }
 
 // With an area, as a node of the road graph, or both.
@@ -53,11 +58,13 @@ Json describe(const Network& network) {
   Json roads = Json::array();
   double length_m = 0;
   LaneCount lanes;
+  std::size_t objects = 0, signals = 0;
   for (const Road& road : network.roads) {
     length_m += road.length_m();
     const LaneCount most = lanes_of(road);
     lanes.all += most.all;
     lanes.driving += most.driving;
+    objects += road.records->objects.size(), signals += road.records->signals.size();
     roads.push_back({{"id", road.id},
                      {"name", road.name},
                      {"closed", road.closed},
@@ -67,7 +74,9 @@ Json describe(const Network& network) {
                      {"driving_lanes", most.driving},
                      {"lane_sections", road.sections.size()},
                      {"paint", road.paint.size()},
-                     {"structures", road.sweeps.size()}});
+                     {"structures", road.sweeps.size()},
+                     {"objects", road.records->objects.size()},
+                     {"signals", road.records->signals.size()}});
   }
   const Bounds box = bounds(network);
   Json georeference = nullptr;
@@ -75,6 +84,11 @@ Json describe(const Network& network) {
     georeference = {{"latitude_deg", origin->latitude_deg},
                     {"longitude_deg", origin->longitude_deg},
                     {"height_m", origin->height_m}};
+    if (!origin->projection.empty()) {
+      georeference["projection"] = origin->projection;
+      georeference["offset_m"] = {origin->offset_m.x, origin->offset_m.y, origin->height_m};
+      georeference["offset_heading_rad"] = origin->offset_heading_rad;
+    }
   }
   return {
       {"name", network.name},
@@ -85,6 +99,9 @@ Json describe(const Network& network) {
       {"junctions", junctions_of(network)},
       {"junction_areas", network.junctions.size()},
       {"structures", structures_of(network)},
+      {"objects", objects},
+      {"signals", signals},
+      {"controllers", network.controllers.size()},
       {"length_m", length_m},
       {"bounds",
        {{"low_m", {box.low_m.x, box.low_m.y, box.low_m.z}}, {"high_m", {box.high_m.x, box.high_m.y, box.high_m.z}}}},

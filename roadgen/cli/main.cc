@@ -20,6 +20,7 @@ constexpr Command kCommands[] = {
     {"info", "what a network holds, as JSON", roadgen::cli::run_info},
     {"check", "whether a network is sound, as JSON", roadgen::cli::run_check},
     {"query", "world to road and road to world, as CSV", roadgen::cli::run_query},
+    {"terrain", "the ground levelled along the roads, as GeoTIFF", roadgen::cli::run_terrain},
     {"export", "a network as mesh (glTF) or lines (GeoJSON)", roadgen::cli::run_export},
     {"render", "one camera's picture and data channels", roadgen::cli::run_render},
     {"fly", "a video along a road", roadgen::cli::run_fly},

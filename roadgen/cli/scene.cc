@@ -15,6 +15,8 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
   app.add_option("NET", options.network_path, "OpenDRIVE file")->required();
   app.add_option("--dem", options.dem_path,
                  "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid. Default: the roads' own heights");
+  app.add_option("--dem-encoding", options.dem_encoding, "What its pixels are: heights, terrain-rgb or terrarium")
+      ->capture_default_str();
   app.add_option("--context", options.context, "osmesa, egl or window. Default: osmesa");
   app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
 }
@@ -23,6 +25,8 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   Scene scene;
   const auto kind = context_kind_from_name(options.context);
   if (!kind) return kind.error();
+  const auto encoding = height_encoding_from_name(options.dem_encoding);
+  if (!encoding) return encoding.error();
   // Before the terrain, which takes longer and needs no context.
   auto context = Context::create({.kind = *kind,
                                   .egl_device = options.egl_device,
@@ -35,7 +39,7 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   Diagnostics diagnostics;
   std::optional<Elevation> elevation;
   if (!options.dem_path.empty()) {
-    auto opened = Elevation::open(options.dem_path, &diagnostics);
+    auto opened = Elevation::open(options.dem_path, &diagnostics, *encoding);
     if (!opened) return opened.error();
     elevation.emplace(std::move(*opened));
   }

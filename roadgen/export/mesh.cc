@@ -12,7 +12,6 @@
 namespace roadgen {
 namespace {
 
-constexpr double kItemReach_m = 1000;
 constexpr const char* kMaterials[] = {"asphalt", "concrete", "paving", "grass", "gravel", "curbstone"};
 constexpr const char* kColors[] = {"white", "yellow", "blue", "green", "red", "orange"};
 
@@ -382,6 +381,7 @@ Result<NetworkMesh> tessellate(const Network& network, const MeshOptions& option
   for (const Road& road : network.roads) {
     if (in_area[static_cast<std::size_t>(&road - network.roads.data())]) continue;  // the area is drawn
     if (Status s = RoadMesher(road, options.max_error_m, mesh).run(); !s) return s.error();
+    if (Status s = add_sweeps(road, options.max_error_m, mesh); !s) return s.error();
   }
   for (const Junction& junction : network.junctions) {
     if (Status s = add_junction(junction, options.max_error_m, mesh); !s) return s.error();

@@ -26,14 +26,14 @@ inline constexpr std::size_t kMostTriangles = 50'000'000;
 // Triangles of one colour, counter-clockwise seen from above or from the open side. positions: metres from the item's
 // origin, ENU; normals: unit.
 struct MeshPart {
-  std::string name;            // "asphalt" ... of the lanes, "white" ... of the paint
+  std::string name;            // "asphalt" ... of the lanes, "white" ... of the paint, "tunnel" ... of structures
   glm::dvec3 albedo{0, 0, 0};  // linear
   std::vector<glm::vec3> positions, normals;
   std::vector<std::uint32_t> triangles;  // three a triangle
 };
 
 struct MeshItem {
-  std::string name;  // "road ID" or "junction ID"
+  std::string name;  // "road ID", "junction ID" or "structure N of road ID"
   glm::dvec3 origin_m{0, 0, 0};
   std::vector<MeshPart> parts;  // no two of one name
 };
@@ -46,7 +46,8 @@ struct NetworkMesh {
   double error_m = 0;
 };
 
-// All lanes with their faces, marks and paint, and the areas of junctions; structures along roads are left out.
+// All lanes with their faces, marks and paint, the areas of junctions, and the structures along roads: profiles as
+// polygons whose corners lie on them, closed where the profile ends, and posts.
 //
 // Rows of vertices stand across the road, the same for all strips of a segment. Between rows h apart in s the strip
 // between borders A and B is the image of (s, w), P = (1 - w) A(s) + w B(s), and two triangles interpolate it at the

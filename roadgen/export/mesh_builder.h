@@ -50,4 +50,10 @@ class MeshBuilder {
 // Adds the junction's area to the mesh. Errors: as tessellate().
 Status add_junction(const Junction& junction, double max_error_m, NetworkMesh& mesh);
 
+// Adds the road's sweeps to the mesh. Errors: as tessellate().
+Status add_sweeps(const Road& road, double max_error_m, NetworkMesh& mesh);
+
+// A new item where the one at hand begins farther away than this, so that floats hold positions.
+inline constexpr double kItemReach_m = 1000;
+
 }  // namespace roadgen

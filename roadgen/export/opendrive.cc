@@ -9,6 +9,7 @@
 #include "roadgen/export/xml_writer.h"
 #include "roadgen/export/xodr_junctions.h"
 #include "roadgen/export/xodr_objects.h"
+#include "roadgen/export/xodr_records.h"
 #include "roadgen/road/crossfall.h"
 #include "roadgen/road/parallel.h"
 
@@ -29,8 +30,15 @@ void write_header(XmlWriter& out, const Network& network) {
     out.raw("/>\n");
     return;
   }
+  out.raw(">\n");
   const Georeference& origin = *network.georeference;
-  out.raw(">\n    <geoReference><![CDATA[+proj=ortho +lat_0=").digits(origin.latitude_deg);
+  if (!origin.projection.empty()) {
+    out.raw("    <geoReference>").content(origin.projection).raw("</geoReference>\n    <offset");
+    out.number("x", origin.offset_m.x).number("y", origin.offset_m.y).number("z", origin.height_m);
+    out.number("hdg", origin.offset_heading_rad).raw("/>\n  </header>\n");
+    return;
+  }
+  out.raw("    <geoReference><![CDATA[+proj=ortho +lat_0=").digits(origin.latitude_deg);
   out.raw(" +lon_0=").digits(origin.longitude_deg);
   out.raw(" +x_0=0 +y_0=0 +ellps=WGS84 +units=m +no_defs]]></geoReference>\n");
   out.user_data("    ", "origin", {origin.latitude_deg, origin.longitude_deg, origin.height_m});
@@ -246,10 +254,16 @@ void write_lane(XmlWriter& out, const Road& road, std::size_t index, int id) {
     out.raw("            <material sOffset=\"0\"").text("surface", surface.name);
     out.number("friction", surface.friction).raw("/>\n");
   }
+  const LaneRecord* record = lane_record(road, index, id);
+  if (record) {
+    write_speed(out, "            ", " sOffset=\"0\"", record->speed);
+    write_kept(out, "            ", record->access_xml);
+  }
   if (lane.inner_height_m != 0 || lane.outer_height_m != 0) {
     out.raw("            <height sOffset=\"0\"").number("inner", lane.inner_height_m);
     out.number("outer", lane.outer_height_m).raw("/>\n");
   }
+  if (record) write_kept(out, "            ", record->rule_xml);
   out.raw("          </lane>\n");
 }
 
@@ -292,6 +306,7 @@ void write_road(XmlWriter& out, const Road& road, bool derived = false) {
       .text("rule", road.keep_left ? "LHT" : "RHT")
       .raw(">\n");
   write_links(out, road);
+  write_types(out, road);
   out.raw("    <planView>\n");
   for (const Segment& segment : road.segments) write_geometry(out, segment, derived);
   out.raw("    </planView>\n");
@@ -299,6 +314,8 @@ void write_road(XmlWriter& out, const Road& road, bool derived = false) {
   write_lateral(out, road);
   write_lanes(out, road);
   write_objects(out, road);
+  write_signals(out, road);
+  write_kept(out, "    ", road.records->other_xml);
   if (derived) {
     out.user_data("    ", "derived", {}, "way");
   } else {
@@ -346,6 +363,8 @@ Status check_roads(const Network& network, const RoadsById& roads) {
     if (road.sections.empty()) return Error{ErrorCode::kData, "the road has no lane sections", {}, 0, element};
     if (!is_finite(road) || !has_finite_sweeps(road))
       return Error{ErrorCode::kData, "a number is not finite", {}, 0, element};
+    if (!std::all_of(road.bridges.begin(), road.bridges.end(), [&](const Bridge& b) { return is_on(b, road); }))
+      return Error{ErrorCode::kData, "a bridge has no length or reaches beyond the road", {}, 0, element};
   }
   return Done{};
 }
@@ -365,7 +384,9 @@ void write_network(XmlWriter& out, const Network& network, const RoadsById& road
   write_parts(out, network.roads.size(), 4,
               [&](XmlWriter& part, std::size_t i) { write_road(part, network.roads[i]); });
   write_derived_roads(out, network, roads);
+  write_controllers(out, network);
   write_junctions(out, network, roads);
+  write_kept(out, "  ", network.other_xml);
   out.raw("</OpenDRIVE>\n");
 }
 

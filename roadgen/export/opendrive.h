@@ -8,8 +8,8 @@
 // roadMark or crosswalk (clause 13).
 // A closed road is its own predecessor and successor.
 //
-// Georeference. The network lives in topocentric ENU about an origin. OpenDRIVE wants a PROJ string of a projected
-// system in <geoReference>; the one that is topocentric ENU, exactly so for points of the ellipsoid's surface, is the
+// Georeference. A network in a projection has it in <geoReference> and its offset in <offset>. Others live in topocentric
+// ENU about an origin. OpenDRIVE wants a PROJ string of a projected system in <geoReference>; the one that is topocentric ENU, exactly so for points of the ellipsoid's surface, is the
 // ellipsoidal orthographic projection (EPSG method 9840, PROJ 7.2 or later). At height h a position differs from it by
 // h / 6.38e6 of its distance from the origin (0.16 mm per metre and km of height). The origin itself, with its height,
 // stands in <userData code="roadgen:origin" value="LAT LON H"/>.

@@ -45,6 +45,11 @@ double SegmentError::of_line(const Cubic& t_m, double h_m) const {
   return std::hypot(second.plan, second.z) * h_m * h_m / 8;
 }
 
+double SegmentError::of_sweep(double most_m, double t_slope, double height_second, double edge_m, double h_m) const {
+  const double k = curvature_, plan = k + 2 * t_slope * k + most_m * (curvature_slope_ + k * k);
+  return std::hypot(plan * h_m * h_m / 8 + edge_m * k * h_m / 4, height_second * h_m * h_m / 8);
+}
+
 double SegmentError::of_strip(const Cubic& right_m, const Cubic& left_m, double raised_m, double h_m) const {
   const Bound right = bound_of(right_m, length_m_), left = bound_of(left_m, length_m_);
   const Bound t = {std::max(right.value, left.value), std::max(right.slope, left.slope),

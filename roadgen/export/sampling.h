@@ -15,6 +15,10 @@ class SegmentError {
   // Of the two triangles between stations, m. raised_m: how much higher the left border lies above the surface than the
   // right one.
   double of_strip(const Cubic& right_m, const Cubic& left_m, double raised_m, double h_m) const;
+  // Likewise of what is swept along the line at offset t_m, which changes by t_slope per metre of s, and at heights whose
+  // second derivative by s is at most height_second: a profile that reaches most_m to either side of it, of straight
+  // edges at most edge_m wide.
+  double of_sweep(double most_m, double t_slope, double height_second, double edge_m, double h_m) const;
 
  private:
   // Maxima of a profile and of its derivatives.

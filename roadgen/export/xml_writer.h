@@ -42,6 +42,11 @@ class XmlWriter {
     text_ += '"';
     return *this;
   }
+  // Between tags.
+  XmlWriter& content(std::string_view value) {
+    for (const char c : value) c == '\n' ? raw("\n") : escape(c);
+    return *this;
+  }
   void digits(double x) {
     char buffer[32];
     const auto end = std::to_chars(buffer, buffer + sizeof buffer, x == 0 ? 0.0 : x).ptr;  // no "-0"
@@ -67,7 +72,7 @@ class XmlWriter {
   }
 
  private:
-  void escape(char c) {
+  XmlWriter& escape(char c) {
     switch (c) {
       case '&': text_ += "&amp;"; break;
       case '<': text_ += "&lt;"; break;
@@ -79,6 +84,7 @@ class XmlWriter {
       default:
         if (static_cast<unsigned char>(c) >= 0x20) text_ += c;  // XML 1.0 has no other control characters
     }
+    return *this;
   }
 
   std::string text_;

@@ -1,9 +1,11 @@
 #include "roadgen/export/xodr_junctions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
+#include "roadgen/export/xodr_records.h"
 #include "roadgen/road/parallel.h"
 
 namespace roadgen {
@@ -26,19 +28,29 @@ void write_arm(XmlWriter& out, const JunctionArm& a) {
   out.user_data("    ", "arm", numbers, a.road);
 }
 
-void write_junction(XmlWriter& out, const std::string& id, const std::string& name,
-                    const std::vector<Connection>& connections, const Junction* area) {
-  out.raw("  <junction").text("id", id).text("name", name).raw(" type=\"default\">\n");
+// connections: where they are not those of links.
+void write_junction(XmlWriter& out, const JunctionLinks& links, const std::vector<Connection>& connections,
+                    const Junction* area) {
+  out.raw("  <junction").text("id", links.id).text("name", links.name);
+  out.text("type", junction_type_name(links.type));
+  const JunctionRecords& records = *links.records;
+  if (links.type == JunctionType::kVirtual) {
+    out.text("mainRoad", records.main_road).number("sStart", records.s_start_m).number("sEnd", records.s_end_m);
+    out.text("orientation", orientation_name(records.orientation));
+  }
+  out.raw(">\n");
+  const char* connecting = links.type == JunctionType::kDirect ? "linkedRoad" : "connectingRoad";
   for (std::size_t i = 0; i < connections.size(); ++i) {
     const Connection& c = connections[i];
     out.raw("    <connection").text("id", std::to_string(i)).text("incomingRoad", c.incoming);
-    out.text("connectingRoad", c.connecting).text("contactPoint", contact(c.at_end)).raw(">\n");
+    out.text(connecting, c.connecting).text("contactPoint", contact(c.at_end)).raw(">\n");
     for (const LaneLink& lane : c.lanes) {
       out.raw("      <laneLink").text("from", std::to_string(lane.from)).text("to", std::to_string(lane.to));
       out.raw("/>\n");
     }
     out.raw("    </connection>\n");
   }
+  write_kept(out, "    ", records.other_xml);
   if (area) {
     out.user_data("    ", "area", {area->corner_radius_m, area->underlap_m});
     for (const JunctionArm& arm : area->arms) write_arm(out, arm);
@@ -72,10 +84,12 @@ void write_links(XmlWriter& out, const Road& road) {
     before = {.to = RoadLink::To::kRoad, .id = road.id, .at_end = true};
     after = {.to = RoadLink::To::kRoad, .id = road.id, .at_end = false};
   }
-  if (before.to == RoadLink::To::kNothing && after.to == RoadLink::To::kNothing) return;
+  const std::string& others = road.records->other_links_xml;
+  if (before.to == RoadLink::To::kNothing && after.to == RoadLink::To::kNothing && others.empty()) return;
   out.raw("    <link>\n");
   write_link(out, "predecessor", before);
   write_link(out, "successor", after);
+  write_kept(out, "      ", others);
   out.raw("    </link>\n");
 }
 
@@ -109,13 +123,13 @@ std::vector<DerivedWay> derived_ways(const Network& network, const RoadsById& ro
 
 void write_junctions(XmlWriter& out, const Network& network, const RoadsById& roads) {
   const LinksById listed = links_by_id(network);
-  const auto write_area = [&](const Junction& area, const std::string& name) {
+  const auto write_area = [&](const Junction& area, const JunctionLinks& links) {
     std::vector<Connection> connections;
     for (DerivedWay& way : derived_ways(network, roads, listed, area)) {
       const Road& from = network.roads[roads.at(area.arms[way.movement.from].road)];
       connections.push_back(connection_of(area, way.movement, from.keep_left, std::move(way.id)));
     }
-    write_junction(out, area.id, name, connections, &area);
+    write_junction(out, links, connections, &area);
   };
   std::map<std::string_view, std::size_t> areas;
   for (std::size_t i = 0; i < network.junctions.size(); ++i) areas.emplace(network.junctions[i].id, i);
@@ -124,7 +138,7 @@ void write_junctions(XmlWriter& out, const Network& network, const RoadsById& ro
   const auto write_lone_areas = [&](std::size_t end) {
     for (; next < end; ++next) {
       const Junction& area = network.junctions[next];
-      if (!listed.contains(area.id)) write_area(area, "");
+      if (!listed.contains(area.id)) write_area(area, {.id = area.id, .name = {}});
     }
   };
   for (const JunctionLinks& links : network.junction_links) {
@@ -132,9 +146,9 @@ void write_junctions(XmlWriter& out, const Network& network, const RoadsById& ro
     if (area != areas.end()) write_lone_areas(area->second);
     const Junction* own = area == areas.end() ? nullptr : &network.junctions[area->second];
     if (own && links.connections.empty()) {
-      write_area(*own, links.name);
+      write_area(*own, links);
     } else {
-      write_junction(out, links.id, links.name, links.connections, own);
+      write_junction(out, links, links.connections, own);
     }
   }
   write_lone_areas(network.junctions.size());
@@ -146,6 +160,8 @@ Status check_junctions(const Network& network) {
   };
   std::set<std::string_view> areas, nodes;
   for (const JunctionLinks& links : network.junction_links) {
+    if (!std::isfinite(links.records->s_start_m + links.records->s_end_m))
+      return error(links.id, "a number is not finite");
     if (links.id.empty()) return error("", "a junction has no id; give every junction one");
     if (!nodes.insert(links.id).second) return error(links.id, "the id is used twice");
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "roadgen/export/xodr_records.h"
+
 namespace roadgen {
 namespace {
 
@@ -82,15 +84,23 @@ void write_sweep(XmlWriter& out, const Road& road, std::size_t index) {
 }  // namespace
 
 void write_objects(XmlWriter& out, const Road& road) {
-  if (road.paint.empty() && road.sweeps.empty()) return;
+  const RoadRecords& records = *road.records;
+  if (road.paint.empty() && road.sweeps.empty() && road.bridges.empty() && records.objects.empty() &&
+      records.other_objects_xml.empty()) {
+    return;
+  }
   out.raw("    <objects>\n");
   for (std::size_t i = 0; i < road.paint.size(); ++i) write_paint(out, road, i);
-  // Tunnels come last, by the schema.
+  // The schema's order: objects, references, tunnels, bridges.
   for (const bool tunnels : {false, true}) {
+    if (!tunnels)
+      for (const RoadObject& object : records.objects) write_object(out, object);
+    if (tunnels) write_kept(out, "      ", records.other_objects_xml);
     for (std::size_t i = 0; i < road.sweeps.size(); ++i) {
       if ((road.sweeps[i].kind() == SweepKind::kTunnel) == tunnels) write_sweep(out, road, i);
     }
   }
+  for (const Bridge& bridge : road.bridges) write_bridge(out, bridge);
   out.raw("    </objects>\n");
 }
 

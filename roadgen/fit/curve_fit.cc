@@ -136,7 +136,13 @@ void CurveFit::place_first_nodes() {
     node.joint.heading_rad = guessed_heading(before, here, after);
     nodes_.push_back(node);
   }
-  if (!options_.closed) nodes_.back().begin = n;
+  if (options_.closed) return;
+  nodes_.back().begin = n;
+  const auto fix = [&](Node& node, const std::optional<FixedEnd>& end) {
+    if (end) node.joint = {end->position_m - origin_m_, end->heading_rad, true, true};
+  };
+  fix(nodes_.front(), options_.start);
+  fix(nodes_.back(), options_.end);
 }
 
 Division CurveFit::division(const Node& from, const Node& to) const {

@@ -10,6 +10,7 @@
 
 #include "roadgen/fit/curve_fit.h"
 #include "roadgen/fit/locate.h"
+#include "roadgen/fit/outliers.h"
 #include "roadgen/fit/profile.h"
 
 namespace roadgen {
@@ -42,6 +43,15 @@ Status check_samples(std::span<const Sample> samples, const FitOptions& options)
       return Error{ErrorCode::kData, "sample " + std::to_string(i) + " has a half width that is not positive"};
     }
   }
+  for (const auto& end : {options.start, options.end}) {
+    if (!end) continue;
+    if (options.closed || options.tangents != TangentSource::kFit) {
+      return Error{ErrorCode::kUsage, "only open roads of fitted tangents have fixed ends"};
+    }
+    if (!std::isfinite(end->position_m.x + end->position_m.y + end->heading_rad)) {
+      return Error{ErrorCode::kUsage, "a fixed end is not finite"};
+    }
+  }
   if (!(options.max_error_m > 0) || !(options.max_elevation_error_m > 0)) {
     return Error{ErrorCode::kUsage, "the greatest allowed errors must be positive"};
   }
@@ -64,6 +74,35 @@ std::vector<Sample> distinct(std::span<const Sample> samples, bool closed, Diagn
                           " samples repeat the one before within " + number(least_m) + " m: left out of the fit");
   }
   return kept;
+}
+
+// Takes the outliers out of the samples.
+std::vector<Sample> taken_out(std::vector<Sample>& samples, const FitOptions& options, Diagnostics* diagnostics) {
+  constexpr std::size_t kMostNamed = 12;
+  // Samples that repeat others have no course.
+  std::vector<glm::dvec2> positions;
+  std::vector<std::size_t> of;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!positions.empty() && samples[i].position_m == positions.back()) continue;
+    positions.push_back(samples[i].position_m);
+    of.push_back(i);
+  }
+  const std::vector<char> outlier = find_outliers(positions, options.closed, options.max_error_m);
+  std::vector<char> is_out(samples.size(), 0);
+  std::string named;
+  std::vector<Sample> out, in;
+  for (std::size_t k = 0; k < of.size(); ++k) is_out[of[k]] = outlier[k];
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    (is_out[i] ? out : in).push_back(samples[i]);
+    if (is_out[i] && out.size() <= kMostNamed) named += (named.empty() ? "" : ", ") + std::to_string(i + 1);
+  }
+  if (!out.empty()) {
+    warn(diagnostics, std::to_string(out.size()) + " of " + std::to_string(samples.size()) +
+                          " samples lie off the course of their neighbours: left out of the fit, numbers " + named +
+                          (out.size() > kMostNamed ? ", ..." : ""));
+  }
+  samples = std::move(in);
+  return out;
 }
 
 AlignmentOptions alignment_options(const FitOptions& options) {
@@ -163,8 +202,10 @@ Result<std::vector<Anchor>> fit_heights(CurveFit& curve, std::span<const Sample>
 
 }  // namespace
 
-Result<FittedRoad> fit_road(std::span<const Sample> samples, const FitOptions& options, Diagnostics* diagnostics) {
-  if (Status s = check_samples(samples, options); !s) return s.error();
+Result<FittedRoad> fit_road(std::span<const Sample> all, const FitOptions& options, Diagnostics* diagnostics) {
+  if (Status s = check_samples(all, options); !s) return s.error();
+  std::vector<Sample> samples(all.begin(), all.end()), outliers;
+  if (options.reject_outliers) outliers = taken_out(samples, options, diagnostics);
   const std::vector<Sample> kept = distinct(samples, options.closed, diagnostics);
   if (kept.size() < 2) {
     return Error{ErrorCode::kData, "a road needs at least two distinct samples; " + std::to_string(samples.size()) +
@@ -177,6 +218,10 @@ Result<FittedRoad> fit_road(std::span<const Sample> samples, const FitOptions& o
   Result<Road> road = road_from_anchors(*anchors, alignment_options(options), diagnostics);
   if (!road) return road.error();
   Certificate certificate = certify(*road, samples, anchors->size());
+  if (!outliers.empty()) {
+    certificate.outliers = outliers.size();
+    certificate.greatest_outlier_m = certify(*road, outliers, 0).max_error_m;
+  }
   const std::pair<const char*, std::pair<double, double>> promises[] = {
       {"horizontal", {certificate.max_error_m, options.max_error_m}},
       {"vertical", {certificate.max_elevation_error_m, options.max_elevation_error_m}}};

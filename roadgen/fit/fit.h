@@ -2,6 +2,7 @@
 // signed distance v, and a certificate of what was reached.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -18,12 +19,22 @@ struct Sample {
 
 enum class TangentSource { kFit, kCatmullRom };
 
+// Where a road has to begin or end: at the cut of a junction, or joined to another road.
+struct FixedEnd {
+  glm::dvec2 position_m{0, 0};
+  double heading_rad = 0;  // along the road, also at its end
+};
+
 struct FitOptions {
   double max_error_m = 0.1;  // greatest allowed horizontal distance of a sample from the curve. > 0. Default: 0.1
   double max_elevation_error_m = 1.0;  // likewise vertical; measured heights are coarse. > 0. Default: 1
   bool closed = false;                 // the last sample is joined to the first (do not repeat it). Default: no
+  // Where an open road of tangents kFit begins and ends. Default: free, where its samples are best met
+  std::optional<FixedEnd> start = {}, end = {};
   TangentSource tangents = TangentSource::kFit;  // kCatmullRom: anchors are thinned samples, tangents from them
   Tangents catmull_rom = Tangents::kUniform;     // which, where tangents is kCatmullRom. Default: as in the paper
+  // Leave out samples that lie off the course of their neighbours by more than 3 max_error_m. Default: no
+  bool reject_outliers = false;
   TightPolicy tight = TightPolicy::kNarrow;      // Default: measured hairpins are narrowed with a warning
   double mapping_tolerance = kMappingTolerance;  // of the half width, in (0, 1). Default: 1e-4
 };
@@ -41,6 +52,9 @@ struct Certificate {
   // the curve farther from it than curve_to_source_m. Where samples are sparse it cuts the bends, and these are the more.
   double source_to_curve_m = 0, curve_to_source_m = 0;
   double max_elevation_error_m = 0;
+  // What was left out of all of these, and how far from the road at most: see FitOptions::reject_outliers.
+  std::size_t outliers = 0;
+  double greatest_outlier_m = 0;
   double max_heading_jump_rad = 0, max_curvature_jump_per_m = 0;
 };
 
@@ -61,11 +75,12 @@ Certificate certify(const Road& road, std::span<const Sample> samples, std::size
 // anchors. Then anchors are removed again where the road keeps within the error and bends no more without them. Between
 // sparse samples jumps of curvature are kept small. Heights: the stiffest profile within max_elevation_error_m, with
 // knots at the anchors; heights that would make the road steeper than 0.5 are left out.
-// A road begins at its first sample. The same samples give the same road.
-// Diagnostics: samples that repeat the one before, heights left out, narrowed stretches, and an error that stayed above
-// the one allowed, as warnings.
-// Errors: fewer than two distinct samples; not finite; as road_from_anchors (a hairpin tighter than kLeastHalfWidth_m).
-// Cost: about 1e-4 s per sample on one core.
+// A road begins at its first sample that is no outlier. The same samples give the same road.
+// Diagnostics: samples that repeat the one before, outliers with their numbers, heights left out, narrowed stretches, and
+// an error that stayed above the one allowed, as warnings.
+// Errors: fewer than two distinct samples; not finite; fixed ends of a closed road or of Catmull-Rom tangents (kUsage); as
+// road_from_anchors (a hairpin tighter than kLeastHalfWidth_m).
+// Cost: 1e-4 s per sample on one core where samples are many a segment, 3e-4 to 7e-4 s where they are few.
 Result<FittedRoad> fit_road(std::span<const Sample> samples, const FitOptions& options,
                             Diagnostics* diagnostics = nullptr);
 

@@ -12,7 +12,7 @@
 namespace roadgen {
 namespace {
 
-enum Column { kLatitude, kLongitude, kX, kY, kHeight, kWidth, kColumns };
+enum Column { kLatitude, kLongitude, kX, kY, kHeight, kWidth, kLanes, kColumns };
 
 const std::map<std::string, Column, std::less<>>& column_names() {
   static const std::map<std::string, Column, std::less<>> names = {{"lat", kLatitude},
@@ -80,7 +80,8 @@ std::string lowered(std::string_view text) {
   return result;
 }
 
-Result<Header> parse_header(std::string_view row, const std::string& file, int line, Diagnostics& diagnostics) {
+Result<Header> parse_header(std::string_view row, const std::string& file, int line, const FieldNames& fields,
+                            Diagnostics& diagnostics) {
   const auto bad = [&](const std::string& message) { return Error{ErrorCode::kParse, message, file, line}; };
   if (row.starts_with('#')) row.remove_prefix(1);
   Header header;
@@ -89,18 +90,30 @@ Result<Header> parse_header(std::string_view row, const std::string& file, int l
   const std::vector<std::string_view> names = split(row, header.separator);
   header.cells = names.size();
 
+  // The columns that the caller names stand for what others are known for.
+  std::array<std::string, kColumns> named;
+  named[kWidth] = lowered(fields.width), named[kLanes] = lowered(fields.lanes), named[kHeight] = lowered(fields.height);
+  const auto column_of = [&](std::string_view name) -> std::optional<Column> {
+    const std::string key = lowered(name);
+    const auto given = std::find(named.begin(), named.end(), key);
+    if (!key.empty() && given != named.end()) return static_cast<Column>(given - named.begin());
+    const auto known = column_names().find(key);
+    if (known == column_names().end() || !named[known->second].empty()) return {};
+    return known->second;
+  };
+
   std::string ignored;
   bool all_numbers = true;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (!names[i].empty() && !parse_number(names[i])) all_numbers = false;
-    const auto known = column_names().find(lowered(names[i]));
-    if (known == column_names().end()) {
+    const std::optional<Column> column = column_of(names[i]);
+    if (!column) {
       ignored += (ignored.empty() ? "" : ", ") + std::string(names[i]);
       continue;
     }
-    if (header.at[known->second] >= 0)
+    if (header.at[*column] >= 0)
       return bad("the header names the column '" + std::string(names[i]) + "' or its like twice");
-    header.at[known->second] = static_cast<int>(i);
+    header.at[*column] = static_cast<int>(i);
   }
   if (all_numbers) return bad("there is no header line; begin the file with 'lat,lon' or 'x,y' [,height][,width]");
 
@@ -111,6 +124,10 @@ Result<Header> parse_header(std::string_view row, const std::string& file, int l
   }
   if (header.geodetic && (has(kX) || has(kY)))
     ignored += (ignored.empty() ? "" : ", ") + std::string("x and y, since lat and lon are there");
+  for (const Column column : {kWidth, kLanes, kHeight}) {
+    if (named[column].empty() || has(column)) continue;
+    return Error{ErrorCode::kData, "has no column '" + named[column] + "'", file, line};
+  }
   if (!ignored.empty()) diagnostics.push_back({Severity::kInfo, "columns not used: " + ignored, file, line});
   return header;
 }
@@ -151,7 +168,12 @@ Result<double> cell_number(const std::vector<std::string_view>& cells, int at, c
   return *value;
 }
 
-Result<TrackPoint> parse_point(std::string_view row, const Header& header, const std::string& file, int line) {
+struct Row {
+  TrackPoint point;
+  std::optional<double> lanes;
+};
+
+Result<Row> parse_row(std::string_view row, const Header& header, const std::string& file, int line) {
   const std::vector<std::string_view> cells = split(row, header.separator);
   if (cells.size() != header.cells) {
     return Error{ErrorCode::kParse,
@@ -159,28 +181,33 @@ Result<TrackPoint> parse_point(std::string_view row, const Header& header, const
                      std::to_string(header.cells) + "; the file may be truncated",
                  file, line};
   }
-  std::array<double, 4> value{};
-  const std::array<int, 4> at = {header.x(), header.y(), header.at[kHeight], header.at[kWidth]};
+  std::array<double, 5> value{};
+  const std::array<int, 5> at = {header.x(), header.y(), header.at[kHeight], header.at[kWidth], header.at[kLanes]};
   for (std::size_t i = 0; i < at.size(); ++i) {
     const Result<double> number = cell_number(cells, at[i], file, line);
     if (!number) return number.error();
     value[i] = *number;
   }
-  TrackPoint point{value[0], value[1]};
+  Row parsed;
+  TrackPoint& point = parsed.point;
+  point.x = value[0], point.y = value[1];
   if (!std::isnan(value[2])) point.height_m = value[2];
   if (!std::isnan(value[3])) point.width_m = value[3];
+  if (!std::isnan(value[4])) parsed.lanes = value[4];
   point.line = line;
-  return point;
+  return parsed;
 }
 
 }  // namespace
 
-Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
+Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& file, const FieldNames& fields,
+                                     Diagnostics& diagnostics) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   if (Status status = check_utf8(text, file); !status) return status.error();
 
   Track track{file, "", stem(file)};
   std::optional<Header> header;
+  bool lanes_known = false;
   LeftOut left_out(file, diagnostics);
   for (int line = 1; !text.empty(); ++line) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -190,15 +217,20 @@ Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& f
     const bool is_comment = row.starts_with('#');
     if (trimmed(row).empty() || (header && is_comment)) continue;
     if (!header) {
-      Result<Header> parsed = parse_header(row, file, line, diagnostics);
+      Result<Header> parsed = parse_header(row, file, line, fields, diagnostics);
       if (!parsed && is_comment) continue;
       if (!parsed) return parsed.error();
       header = *parsed;
       track.geodetic = header->geodetic;
       continue;
     }
-    Result<TrackPoint> point = parse_point(row, *header, file, line);
-    if (!point) return point.error();
+    Result<Row> parsed = parse_row(row, *header, file, line);
+    if (!parsed) return parsed.error();
+    TrackPoint* const point = &parsed->point;
+    if (parsed->lanes && !lanes_known) {
+      track.lanes = lane_count(*parsed->lanes, file, line, "", diagnostics);
+      lanes_known = true;
+    }
     point->index = static_cast<int>(track.points.size()) + 1;
     if (std::isfinite(point->x) && std::isfinite(point->y))
       track.points.push_back(*point);
@@ -210,10 +242,10 @@ Result<std::vector<Track>> parse_csv(std::string_view text, const std::string& f
   return std::vector<Track>{std::move(track)};
 }
 
-Result<std::vector<Track>> read_csv(const std::string& path, Diagnostics& diagnostics) {
+Result<std::vector<Track>> read_csv(const std::string& path, const FieldNames& fields, Diagnostics& diagnostics) {
   const Result<std::string> text = read_file(path);
   if (!text) return text.error();
-  return parse_csv(*text, path, diagnostics);
+  return parse_csv(*text, path, fields, diagnostics);
 }
 
 }  // namespace roadgen

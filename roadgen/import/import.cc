@@ -34,12 +34,12 @@ Status check_options(const std::vector<std::string>& paths, const ImportOptions&
   return Done{};
 }
 
-Result<std::vector<Track>> read_all(const std::vector<std::string>& paths, const Progress& progress,
-                                    Diagnostics& diagnostics) {
+Result<std::vector<Track>> read_all(const std::vector<std::string>& paths, const FieldNames& fields,
+                                    const Progress& progress, Diagnostics& diagnostics) {
   std::vector<Track> tracks;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     if (progress) progress(0.1 * static_cast<double>(i) / static_cast<double>(paths.size()), "reading " + paths[i]);
-    Result<std::vector<Track>> read = read_tracks(paths[i], diagnostics);
+    Result<std::vector<Track>> read = read_tracks(paths[i], fields, diagnostics);
     if (!read) return read.error();
     for (Track& track : *read) {
       if (Status status = check_range(track); !status) return status.error();
@@ -100,6 +100,7 @@ struct Job {
   CleanTrack track;
   std::string file;
   bool recorded;
+  std::optional<int> lanes;
 };
 
 Result<std::vector<Job>> clean_all(const std::vector<Track>& tracks, const LocalFrame* frame,
@@ -107,15 +108,16 @@ Result<std::vector<Job>> clean_all(const std::vector<Track>& tracks, const Local
   std::vector<Job> jobs;
   std::optional<Error> too_short;
   for (const Track& track : tracks) {
+    const double width_m = 0.5 * track.lanes.value_or(2) * options.width_m;
     Result<std::vector<CleanTrack>> cleaned =
-        clean_track(track, flat_positions(track, frame), {options.closed, options.width_m}, diagnostics);
+        clean_track(track, flat_positions(track, frame), {options.closed, width_m}, diagnostics);
     if (!cleaned) {
       const Error& e = cleaned.error();
       diagnostics.push_back({Severity::kWarning, e.message + ": left out", e.file, e.line, e.element});
       if (!too_short) too_short = e;
       continue;
     }
-    for (CleanTrack& piece : *cleaned) jobs.push_back({std::move(piece), track.file, track.recorded});
+    for (CleanTrack& piece : *cleaned) jobs.push_back({std::move(piece), track.file, track.recorded, track.lanes});
   }
   if (jobs.empty()) return *too_short;
   return jobs;
@@ -128,6 +130,7 @@ Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, c
   fit.max_elevation_error_m =
       options.max_height_error_m.value_or(job.recorded ? kGpsError_m : height_tolerance_m(samples));
   fit.closed = job.track.closed;
+  fit.reject_outliers = options.reject_outliers;
   fit.tangents = options.tangents;
   fit.catmull_rom = options.catmull_rom;
 
@@ -145,11 +148,13 @@ Status fit_into(ImportResult& result, const Job& job, const LocalFrame* frame, c
     error.element = job.track.element + (job.track.element.empty() || error.element.empty() ? "" : " ") + error.element;
     return error;
   }
+  if (job.lanes) divide_into_lanes(fitted->road, *job.lanes);
   fitted->road.id = fitted->certificate.id = std::to_string(result.network.roads.size() + 1);
   fitted->road.name = job.track.name;
   result.network.roads.push_back(std::move(fitted->road));
   result.certificates.push_back(fitted->certificate);
   result.allowed_error_m.push_back(fit.max_error_m);
+  result.samples.push_back(samples);
   return Done{};
 }
 
@@ -188,7 +193,7 @@ Result<ImportResult> import_files(const std::vector<std::string>& paths, const I
     return Error{ErrorCode::kUsage, "an OSM file is imported alone; osmium merge joins several", paths.front()};
   }
   ImportResult result;
-  const Result<std::vector<Track>> tracks = read_all(paths, progress, result.diagnostics);
+  const Result<std::vector<Track>> tracks = read_all(paths, options.fields, progress, result.diagnostics);
   if (!tracks) return tracks.error();
 
   // One frame for all.

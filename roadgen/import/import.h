@@ -27,9 +27,12 @@ struct ImportOptions {
   // left out with a warning. Default: by the heights' own roughness, see height_tolerance_m; kGpsError_m for recorded
   // tracks.
   std::optional<double> max_height_error_m = {};
-  // Of the whole road, where the file has none; in [kLeastWidth_m, kGreatestWidth_m]. Default: 7
+  FieldNames fields = {};  // where the files say widths, lanes, heights and names
+  // Of the whole road, where the file has none, and half of it for each lane where the file has a number of lanes; in
+  // [kLeastWidth_m, kGreatestWidth_m]. Default: 7
   double width_m = 7;
   Closed closed = Closed::kAuto;
+  bool reject_outliers = false;    // FitOptions::reject_outliers
   bool left_hand_traffic = false;  // OSM files: lanes and traffic keep left
 };
 inline constexpr double kLeastMaxError_m = 0.001, kGreatestMaxError_m = 100;
@@ -47,8 +50,10 @@ struct ImportResult {
   Network network;                        // roads "1", "2", ... in the order of the files
   std::vector<Certificate> certificates;  // one for each road, in order
   std::vector<double> allowed_error_m;    // likewise: the max_error_m that it was fitted to
-  Diagnostics diagnostics;                // every repair, by file, line and element
-  double greatest_distance_m = 0;         // of a point from the origin, horizontally; 0 for metres
+  // What each was fitted to; empty for OSM files, whose roads follow their ways by construction.
+  std::vector<std::vector<Sample>> samples = {};
+  Diagnostics diagnostics;         // every repair, by file, line and element
+  double greatest_distance_m = 0;  // of a point from the origin, horizontally; 0 for metres
 };
 
 // Called with the part that is done, in [0, 1], and what is being done.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "roadgen/import/text_file.h"
 
@@ -133,19 +134,30 @@ class Owned {
   Free free_;
 };
 
+// What a feature's properties say of all its points.
+struct Given {
+  std::optional<double> height_m, width_m;
+};
+
 class Reader {
  public:
-  Reader(const std::string& path, Diagnostics& diagnostics) : path_(path), diagnostics_(diagnostics) {}
+  Reader(const std::string& path, const FieldNames& fields, Diagnostics& diagnostics)
+      : path_(path), fields_(fields), diagnostics_(diagnostics) {}
 
   Result<std::vector<Track>> read();
 
  private:
   Status read_layer(OGRLayerH layer);
   Status read_feature(OGRFeatureH feature, OGRCoordinateTransformationH to_wgs84, bool geodetic);
-  Status read_line(OGRGeometryH line, const Track& like, OGRCoordinateTransformationH to_wgs84);
+  Status read_line(OGRGeometryH line, const Track& like, const Given& given, OGRCoordinateTransformationH to_wgs84);
+
+  // Of a property that the caller names.
+  std::optional<double> number(OGRFeatureH feature, const std::string& name, const Track& of);
 
   const std::string& path_;
+  const FieldNames& fields_;
   Diagnostics& diagnostics_;
+  std::set<std::string> met_;  // of the names in fields_
   GdalMessages messages_;
   std::vector<Track> tracks_;
   int not_lines_ = 0;
@@ -157,14 +169,29 @@ std::string property(OGRFeatureH feature, const char* name) {
   return known ? gdal().OGR_F_GetFieldAsString(feature, field) : "";
 }
 
-Status Reader::read_line(OGRGeometryH line, const Track& like, OGRCoordinateTransformationH to_wgs84) {
+std::optional<double> Reader::number(OGRFeatureH feature, const std::string& name, const Track& of) {
+  if (name.empty() || gdal().OGR_F_GetFieldIndex(feature, name.c_str()) < 0) return {};
+  met_.insert(name);
+  const std::string text = property(feature, name.c_str());
+  if (text.empty()) return {};
+  const std::optional<double> value = parse_number(text);
+  if (value && std::isfinite(*value)) return value;
+  diagnostics_.push_back(
+      {Severity::kWarning, "the property " + name + " is not a number: the default is used", path_, 0, of.element});
+  return {};
+}
+
+Status Reader::read_line(OGRGeometryH line, const Track& like, const Given& given,
+                         OGRCoordinateTransformationH to_wgs84) {
   Track track = like;
   const bool has_height = gdal().OGR_G_Is3D(line);
   int left_out = 0;
   for (int i = 0; i < gdal().OGR_G_GetPointCount(line); ++i) {
     TrackPoint point{gdal().OGR_G_GetX(line, i), gdal().OGR_G_GetY(line, i)};
     const double height = has_height ? gdal().OGR_G_GetZ(line, i) : NAN;
+    point.height_m = given.height_m;
     if (std::isfinite(height)) point.height_m = height;
+    point.width_m = given.width_m;
     if (std::isfinite(point.x) && std::isfinite(point.y) && to_wgs84 &&
         !gdal().OCTTransform(to_wgs84, 1, &point.x, &point.y, nullptr)) {
       return Error{ErrorCode::kData, "point " + std::to_string(i + 1) + " cannot be changed to latitude and longitude",
@@ -187,14 +214,20 @@ Status Reader::read_line(OGRGeometryH line, const Track& like, OGRCoordinateTran
 Status Reader::read_feature(OGRFeatureH feature, OGRCoordinateTransformationH to_wgs84, bool geodetic) {
   const OGRGeometryH geometry = gdal().OGR_F_GetGeometryRef(feature);
   if (!geometry || gdal().OGR_G_IsEmpty(geometry)) return Done{};
-  Track track{path_, property(feature, "id"), property(feature, "name"), geodetic};
+  const std::string name_field = fields_.name.empty() ? "name" : fields_.name;
+  if (gdal().OGR_F_GetFieldIndex(feature, name_field.c_str()) >= 0) met_.insert(name_field);
+  Track track{path_, property(feature, "id"), property(feature, name_field.c_str()), geodetic};
   if (track.element.empty()) track.element = track.name;
   if (track.element.empty()) track.element = "feature " + std::to_string(gdal().OGR_F_GetFID(feature));
   if (track.name.empty()) track.name = track.element;
+  const Given given{number(feature, fields_.height, track), number(feature, fields_.width, track)};
+  if (const auto lanes = number(feature, fields_.lanes, track)) {
+    track.lanes = lane_count(*lanes, path_, 0, track.element, diagnostics_);
+  }
 
   const Owned<OGRGeometryH> linear(gdal().OGR_G_GetLinearGeometry(geometry, 0, nullptr), gdal().OGR_G_DestroyGeometry);
   const OGRwkbGeometryType type = gdal().OGR_GT_Flatten(gdal().OGR_G_GetGeometryType(linear.get()));
-  if (type == wkbLineString) return read_line(linear.get(), track, to_wgs84);
+  if (type == wkbLineString) return read_line(linear.get(), track, given, to_wgs84);
   if (type != wkbMultiLineString) {
     ++not_lines_;
     return Done{};
@@ -205,7 +238,7 @@ Status Reader::read_feature(OGRFeatureH feature, OGRCoordinateTransformationH to
     track.element = whole.element + suffix;
     track.name = whole.name + suffix;
     const OGRGeometryH line = gdal().OGR_G_GetGeometryRef(linear.get(), i);
-    if (Status status = read_line(line, track, to_wgs84); !status) return status;
+    if (Status status = read_line(line, track, given, to_wgs84); !status) return status;
   }
   return Done{};
 }
@@ -259,6 +292,11 @@ Result<std::vector<Track>> Reader::read() {
     diagnostics_.push_back(
         {Severity::kWarning, std::to_string(not_lines_) + " features that are not lines left out", path_});
   }
+  for (const std::string* field : {&fields_.width, &fields_.lanes, &fields_.height, &fields_.name}) {
+    if (!field->empty() && !met_.contains(*field)) {
+      return Error{ErrorCode::kData, "has no property '" + *field + "'", path_};
+    }
+  }
   if (tracks_.empty())
     return Error{ErrorCode::kData, "holds no line; a road is a LineString or MultiLineString", path_};
   return std::move(tracks_);
@@ -266,17 +304,18 @@ Result<std::vector<Track>> Reader::read() {
 
 }  // namespace
 
-Result<std::vector<Track>> read_vector(const std::string& path, Diagnostics& diagnostics) {
-  const Result<std::string> bytes = read_file(path);
-  if (!bytes) return bytes.error();
+Result<std::vector<Track>> read_vector(const std::string& path, const FieldNames& fields, Diagnostics& diagnostics) {
+  if (Status status = check_is_file(path); !status) return status.error();
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".shp" && ending != ".gpkg") {
+    const Result<std::string> bytes = read_file(path);
+    if (!bytes) return bytes.error();
     if (Status status = check_utf8(*bytes, path); !status) return status.error();
   }
   if (!gdal().failure.empty()) {
     return Error{ErrorCode::kIo, "cannot be read without the library GDAL: " + gdal().failure, path};
   }
-  return Reader(path, diagnostics).read();
+  return Reader(path, fields, diagnostics).read();
 }
 
 }  // namespace roadgen

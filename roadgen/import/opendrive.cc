@@ -9,92 +9,46 @@
 #include <set>
 #include <vector>
 
+#include "roadgen/import/xml_parts.h"
 #include "roadgen/import/xodr_areas.h"
+#include "roadgen/import/xodr_header.h"
 #include "roadgen/import/xodr_lanes.h"
 #include "roadgen/import/xodr_lateral.h"
 #include "roadgen/import/xodr_links.h"
 #include "roadgen/import/xodr_objects.h"
 #include "roadgen/import/xodr_plan.h"
+#include "roadgen/import/xodr_records.h"
+#include "roadgen/road/parallel.h"
 
 namespace roadgen {
 namespace {
 
-// Value of +KEY=VALUE in a PROJ string.
-std::string proj_value(std::string_view proj, std::string_view key) {
-  const std::string wanted = "+" + std::string(key) + "=";
-  const std::size_t at = proj.find(wanted);
-  if (at == std::string_view::npos) return {};
-  const std::string_view rest = proj.substr(at + wanted.size());
-  return std::string(rest.substr(0, rest.find_first_of(" \t\r\n")));
-}
+// Bounds of memory, however often a file repeats its elements: 8 GiB of text, of which a part at a time is parsed.
+constexpr std::uintmax_t kMostFile_bytes = std::uintmax_t{8} << 30;
+constexpr std::size_t kMostChildren = 5'000'000;
+constexpr std::size_t kMostTags = 1'000'000;
 
 // A connecting road that follows from its junction's area.
 bool is_derived(pugi::xml_node road) { return !user_data(road, "roadgen:derived").empty(); }
 
-// Reads one document. The first error stops everything: each step returns early once the source has failed.
-class Reader {
- public:
-  Reader(std::string_view text, std::string file) : text_(text), source_(text, std::move(file)) {}
+// One child of <OpenDRIVE>, read by itself.
+struct Part {
+  explicit Part(const XmlPart& from, const std::string& file) : source(from.text, file, from.line) {}
 
-  Result<Network> read(Diagnostics* diagnostics);
-
- private:
-  bool failed() const { return source_.failed(); }
-
-  void read_header(pugi::xml_node header);
-  void read_origin(pugi::xml_node header);
-  void read_road(pugi::xml_node node);
-  void connect();
-  void note_unkept(pugi::xml_node node);
-  void take_sections(Road& road, const std::vector<PlacedSegment>& placed, std::vector<LaneSection> sections,
-                     double end_m);
-  void set_profiles(Road& road, const std::vector<PlacedSegment>& placed, const Profile& heights,
-                    const XodrLateral& lateral, const Stations& stations);
-
-  std::string_view text_;
-  XodrSource source_;
-  Network network_;
-  std::vector<bool> exact_ends_;  // of the roads: the file says which ends are joined
-  std::vector<XodrJunction> junctions_;
-  std::set<std::string> derived_;  // ids of roads that are left out, since they follow from areas
+  XodrSource source;
+  std::optional<Error> malformed;  // not XML
+  std::optional<XodrHeader> header;
+  std::optional<Road> road;
+  bool exact_ends = false;             // the file says which ends of the road are joined
+  std::optional<std::string> derived;  // id of a road that is left out
+  std::optional<XodrJunction> junction;
+  std::optional<Controller> controller;
+  std::string other_xml;
 };
 
-void Reader::read_header(pugi::xml_node header) {
-  if (source_.number(header, "revMajor") != 1 && !failed()) {
-    source_.fail(ErrorCode::kData, header, "an OpenDRIVE version other than 1.x is not supported yet");
-  }
-  network_.name = header.attribute("name").value();
-  if (!failed()) read_origin(header);
-}
-
-void Reader::read_origin(pugi::xml_node header) {
-  std::vector<double> origin = numbers_in(user_data(header, "roadgen:origin"));
-  const pugi::xml_node reference = header.child("geoReference");
-  if (origin.size() != 3) {
-    const std::string proj = reference.text().get();
-    if (trimmed(proj).empty()) return;
-    if (proj_value(proj, "proj") != "ortho") {
-      source_.note(reference, "the geoReference is not +proj=ortho and is not kept");
-      return;
-    }
-    origin = numbers_in(proj_value(proj, "lat_0") + " " + proj_value(proj, "lon_0") + " 0");
-  }
-  if (origin.size() != 3 || std::abs(origin[0]) > 90 || std::abs(origin[1]) > 180) {
-    source_.fail(ErrorCode::kParse, reference, "the origin is not a latitude and longitude in degrees");
-    return;
-  }
-  network_.georeference = Georeference{origin[0], origin[1], origin[2]};
-}
-
-void Reader::note_unkept(pugi::xml_node node) {
-  for (const char* name : {"type", "surface", "railroad"}) {
-    if (node.child(name)) source_.note(node.child(name), std::string("<") + name + "> of roads is not kept");
-  }
-}
-
 // Puts the sections, which are in the file's s, on the road's own.
-void Reader::take_sections(Road& road, const std::vector<PlacedSegment>& placed, std::vector<LaneSection> sections,
-                           double end_m) {
+void take_sections(XodrSource& source, Road& road, const std::vector<PlacedSegment>& placed,
+                   std::vector<LaneSection> sections, double end_m) {
   std::size_t joint = 0;
   std::vector<double> start_m;
   for (LaneSection& section : sections) {
@@ -112,12 +66,12 @@ void Reader::take_sections(Road& road, const std::vector<PlacedSegment>& placed,
   }
   for (std::size_t i = 0; i < sections.size(); ++i) sections[i].s_m = start_m[i];
   if (Status status = set_sections(road, std::move(sections)); !status) {
-    source_.fail(ErrorCode::kData, 0, status.error().message);
+    source.fail(ErrorCode::kData, 0, status.error().message);
   }
 }
 
-void Reader::set_profiles(Road& road, const std::vector<PlacedSegment>& placed, const Profile& heights,
-                          const XodrLateral& lateral, const Stations& stations) {
+void set_profiles(XodrSource& source, Road& road, const std::vector<PlacedSegment>& placed, const Profile& heights,
+                  const XodrLateral& lateral, const Stations& stations) {
   double deviation = 0;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     Segment& segment = road.segments[i];
@@ -125,37 +79,37 @@ void Reader::set_profiles(Road& road, const std::vector<PlacedSegment>& placed, 
     segment.elevation_m = scaled(cubic_from(heights, from.from_m, stations), from.length_m, segment.arc_m);
     const Cubic::Range range = segment.elevation_m.range(segment.arc_m);
     if (!(range.low >= -kGreatestProfile && range.high <= kGreatestProfile)) {
-      source_.fail(ErrorCode::kData, holding(heights, from.from_m, stations)->line, "the elevation is beyond 1e6 m");
+      source.fail(ErrorCode::kData, holding(heights, from.from_m, stations)->line, "the elevation is beyond 1e6 m");
     }
     deviation =
-        std::max(deviation, set_lateral(source_, lateral, stations, from.from_m, from.to_m, from.length_m, segment));
-    if (failed()) return;
+        std::max(deviation, set_lateral(source, lateral, stations, from.from_m, from.to_m, from.length_m, segment));
+    if (source.failed()) return;
   }
   if (deviation > kSamePlace_m) {
     char text[96];
     std::snprintf(text, sizeof text, "crossfall and shape are kept as slopes to both sides, to %.3g m", deviation);
-    source_.note(lateral.first_line(), text);
+    source.note(lateral.first_line(), text);
   }
 }
 
-void Reader::read_road(pugi::xml_node node) {
-  Road road;
-  road.id = source_.word(node, "id");
-  source_.set_element("road " + road.id);
+void read_road(Part& part, pugi::xml_node node) {
+  XodrSource& source = part.source;
+  Road& road = part.road.emplace();
+  road.id = source.word(node, "id");
+  source.set_element("road " + road.id);
   road.name = node.attribute("name").value();
   road.keep_left = !std::strcmp(node.attribute("rule").value(), "LHT");
-  note_unkept(node);
-  read_links(source_, node, road);
-  exact_ends_.push_back(read_joined(source_, node, road));
-  if (failed()) return;
+  read_links(source, node, road);
+  part.exact_ends = read_joined(source, node, road);
+  if (source.failed()) return;
 
-  const std::vector<XodrGeometry> plan = read_plan_view(source_, node);
-  if (failed()) return;
-  const Profile heights = read_profile(source_, node.child("elevationProfile"), "elevation", "s");
-  const XodrLateral lateral = read_lateral(source_, node);
-  if (failed()) return;
-  const XodrLanes lanes = read_lanes(source_, node);
-  if (failed()) return;
+  const std::vector<XodrGeometry> plan = read_plan_view(source, node);
+  if (source.failed()) return;
+  const Profile heights = read_profile(source, node.child("elevationProfile"), "elevation", "s");
+  const XodrLateral lateral = read_lateral(source, node);
+  if (source.failed()) return;
+  const XodrLanes lanes = read_lanes(source, node);
+  if (source.failed()) return;
 
   std::vector<double> starts;
   for (const XodrGeometry& geometry : plan) starts.push_back(geometry.s_m);
@@ -164,19 +118,20 @@ void Reader::read_road(pugi::xml_node node) {
   for (const double s : lateral.changes_m()) stations.add(s);
   for (const auto& record : heights) stations.add(record.s_m);
 
-  std::vector<LaneSection> sections = lane_sections(source_, lanes, stations, starts.front());
-  if (failed()) return;
-  std::vector<PlacedSegment> placed = place_segments(source_, plan, stations, sections);
-  if (failed()) return;
-  join_segments(source_, placed, road.closed, node);
-  if (failed()) return;
+  auto [sections, lane_records] = lane_sections(source, lanes, stations, starts.front());
+  if (source.failed()) return;
+  std::vector<PlacedSegment> placed = place_segments(source, plan, stations, sections);
+  if (source.failed()) return;
+  join_segments(source, placed, road.closed, node);
+  if (source.failed()) return;
   for (const PlacedSegment& p : placed) road.segments.push_back(p.segment);
   chain_arc_lengths(road);
-  take_sections(road, placed, std::move(sections), stations.end_m());
-  if (failed()) return;
-  set_profiles(road, placed, heights, lateral, stations);
-  if (failed()) return;
-  read_objects(source_, node, road, [&](double s) {
+  take_sections(source, road, placed, std::move(sections), stations.end_m());
+  if (source.failed()) return;
+  set_profiles(source, road, placed, heights, lateral, stations);
+  if (source.failed()) return;
+  if (!lane_records.empty()) road.records.edit().lanes = std::move(lane_records);
+  read_objects(source, node, road, [&](double s) {
     const auto after =
         std::partition_point(placed.begin() + 1, placed.end(), [&](const PlacedSegment& p) { return p.from_m <= s; });
     const std::size_t i = static_cast<std::size_t>(after - placed.begin()) - 1;
@@ -184,8 +139,65 @@ void Reader::read_road(pugi::xml_node node) {
     if (placed[i].length_m == segment.arc_m) return s + (segment.s_start_m - placed[i].from_m);
     return segment.s_start_m + (s - placed[i].from_m) * (segment.arc_m / placed[i].length_m);
   });
-  network_.roads.push_back(std::move(road));
 }
+
+pugi::xml_parse_result parse(pugi::xml_document& document, std::string_view text) {
+  return document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+}
+
+Error not_well_formed(const XodrSource& source, const pugi::xml_parse_result& parsed) {
+  return {ErrorCode::kParse, std::string("is not well-formed XML (truncated?): ") + parsed.description(), source.file(),
+          source.line(parsed.offset)};
+}
+
+void read_part(Part& part, const XmlPart& from) {
+  pugi::xml_document document;
+  if (const pugi::xml_parse_result parsed = parse(document, from.text); !parsed) {
+    part.malformed = not_well_formed(part.source, parsed);
+    return;
+  }
+  const pugi::xml_node node = document.first_child();
+  const std::string name = node.name();
+  if (name == "header") {
+    part.header = read_header(part.source, node);
+  } else if (name == "road" && is_derived(node)) {
+    part.derived = node.attribute("id").value();
+  } else if (name == "road") {
+    read_road(part, node);
+  } else if (name == "junction") {
+    part.junction = read_junction(part.source, node);
+  } else if (name == "controller") {
+    part.controller = read_controller(part.source, node);
+  } else if (name == "station" || name == "junctionGroup" || name == "userData" || name == "dataQuality") {
+    part.other_xml = element_xml(node);
+  } else {
+    part.source.note(node, "<" + name + "> is not kept");
+  }
+}
+
+// Reads one document. The first error stops everything: each step returns early once the source has failed.
+class Reader {
+ public:
+  Reader(std::string_view text, std::string file) : text_(text), source_({}, std::move(file)) {}
+
+  Result<Network> read(Diagnostics* diagnostics);
+
+ private:
+  Status read_parts(const std::vector<XmlPart>& parts);
+  Status take(Part& part, int line);
+  Status check_size(const XmlParts& parts) const;
+  Status check_root(const XmlParts& parts) const;
+  void connect();
+
+  std::string_view text_;
+  XodrSource source_;  // of the whole: notes of all parts
+  std::optional<XodrHeader> header_;
+  Network network_;
+  std::vector<bool> exact_ends_;  // of the roads
+  std::vector<XodrJunction> junctions_;
+  std::set<std::string> derived_;  // ids of roads that are left out, since they follow from areas
+  std::set<std::string> road_ids_, junction_ids_;
+};
 
 // Links and junctions, once all roads are there.
 void Reader::connect() {
@@ -204,45 +216,94 @@ void Reader::connect() {
   join_linked_ends(network_, exact_ends_);
 }
 
-Result<Network> Reader::read(Diagnostics* diagnostics) {
-  if (Status status = check_utf8(text_, source_.file()); !status) return status.error();
-  pugi::xml_document document;
-  const pugi::xml_parse_result parsed = document.load_buffer(text_.data(), text_.size());
-  if (!parsed) {
-    source_.fail(ErrorCode::kParse, LineIndex(text_).line(parsed.offset),
-                 std::string("is not well-formed XML (truncated?): ") + parsed.description());
-    return source_.error();
+// Whether what is made of the parts stays within bounds.
+Status Reader::check_size(const XmlParts& parts) const {
+  if (parts.children.size() > kMostChildren) {
+    return Error{ErrorCode::kData,
+                 "holds more than " + std::to_string(kMostChildren) + " roads, junctions and others; divide it",
+                 source_.file()};
   }
+  for (const XmlPart& part : parts.children) {
+    if (part.tags <= kMostTags) continue;
+    return Error{ErrorCode::kData,
+                 "a road or other part of <OpenDRIVE> holds more than " + std::to_string(kMostTags) + " elements",
+                 source_.file(), part.line};
+  }
+  return Done{};
+}
+
+// The root, in a document without its children.
+Status Reader::check_root(const XmlParts& parts) const {
+  const std::string text = std::string(parts.before) + std::string(parts.after.text);
+  pugi::xml_document document;
+  pugi::xml_parse_result parsed = parse(document, text);
+  if (!parsed && !parts.children.empty()) {
+    // The last child took the rest where one of its tags is not closed: it says better where.
+    const XmlPart& last = parts.children.back();
+    const pugi::xml_parse_result child = parse(document, last.text);
+    if (!child) return not_well_formed(XodrSource(last.text, source_.file(), last.line), child);
+  }
+  const XodrSource before(parts.before, source_.file());
+  if (const auto end = static_cast<std::ptrdiff_t>(parts.before.size()); !parsed && parsed.offset >= end) {
+    parsed.offset -= end;
+    return not_well_formed(XodrSource(parts.after.text, source_.file(), parts.after.line), parsed);
+  }
+  if (!parsed) return not_well_formed(before, parsed);
   const pugi::xml_node root = document.child("OpenDRIVE");
   if (!root) return Error{ErrorCode::kParse, "is not OpenDRIVE: there is no <OpenDRIVE> element", source_.file(), 1};
+  const auto is_header = [](const XmlPart& part) { return part.text.starts_with("<header"); };
+  if (std::any_of(parts.children.begin(), parts.children.end(), is_header)) return Done{};
+  return Error{ErrorCode::kParse, "<OpenDRIVE> lacks <header>", source_.file(), before.line(root)};
+}
 
-  if (const pugi::xml_node header = root.child("header"))
-    read_header(header);
-  else
-    source_.fail(ErrorCode::kParse, root, "<OpenDRIVE> lacks <header>");
-  std::set<std::string> ids, junction_ids;
-  for (const pugi::xml_node node : root.children()) {
-    if (failed()) return source_.error();
-    source_.set_element("");
-    const std::string name = node.name();
-    if (name == "road" && is_derived(node)) {
-      derived_.insert(node.attribute("id").value());
-    } else if (name == "road") {
-      read_road(node);
-      if (!failed() && !ids.insert(network_.roads.back().id).second) {
-        source_.fail(ErrorCode::kParse, node, "the id is used twice");
-      }
-    } else if (name == "junction") {
-      junctions_.push_back(read_junction(source_, node));
-      source_.set_element("junction " + junctions_.back().links.id);
-      if (!failed() && !junction_ids.insert(junctions_.back().links.id).second) {
-        source_.fail(ErrorCode::kParse, node, "the id is used twice");
-      }
-    } else if (name != "header" && node.type() == pugi::node_element) {
-      source_.note(node, "<" + name + "> is not kept");
+// Adds what was read of a part to the whole.
+Status Reader::take(Part& part, int line) {
+  if (part.source.failed()) return part.source.error();
+  source_.add_notes(part.source);
+  const auto twice = [&](const char* what, const std::string& id) {
+    return Error{ErrorCode::kParse, "the id is used twice", source_.file(), line, what + id};
+  };
+  if (part.header && !header_) header_ = std::move(part.header);
+  if (part.derived) derived_.insert(std::move(*part.derived));
+  if (part.road) {
+    if (!road_ids_.insert(part.road->id).second) return twice("road ", part.road->id);
+    network_.roads.push_back(std::move(*part.road));
+    exact_ends_.push_back(part.exact_ends);
+  }
+  if (part.controller) network_.controllers.push_back(std::move(*part.controller));
+  network_.other_xml += part.other_xml;
+  if (part.junction) {
+    if (!junction_ids_.insert(part.junction->links.id).second) return twice("junction ", part.junction->links.id);
+    junctions_.push_back(std::move(*part.junction));
+  }
+  return Done{};
+}
+
+// Reads the parts on all cores, some at a time. What is not XML is told before what is in it.
+Status Reader::read_parts(const std::vector<XmlPart>& parts) {
+  constexpr std::size_t kBatch = 512, kChunk = 8;
+  Status status = Done{};
+  for (std::size_t first = 0; first < parts.size(); first += kBatch) {
+    std::vector<std::optional<Part>> batch(std::min(kBatch, parts.size() - first));
+    for_chunks(batch.size(), kChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        read_part(batch[i].emplace(parts[first + i], source_.file()), parts[first + i]);
+    });
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if (batch[i]->malformed) return *batch[i]->malformed;
+      if (status) status = take(*batch[i], parts[first + i].line);
     }
   }
-  if (failed()) return source_.error();
+  return status;
+}
+
+Result<Network> Reader::read(Diagnostics* diagnostics) {
+  if (Status status = check_utf8(text_, source_.file()); !status) return status.error();
+  const XmlParts parts = xml_parts(text_, kMostChildren);
+  if (Status status = check_size(parts); !status) return status.error();
+  if (Status status = check_root(parts); !status) return status.error();
+  if (Status status = read_parts(parts.children); !status) return status.error();
+  if (header_) network_.name = std::move(header_->name), network_.georeference = header_->georeference;
   if (network_.roads.empty()) return Error{ErrorCode::kData, "holds no roads", source_.file()};
   connect();
   if (diagnostics) {
@@ -266,7 +327,7 @@ Result<Network> parse_opendrive(std::string_view text, const std::string& file, 
 }
 
 Result<Network> read_opendrive(const std::string& path, Diagnostics* diagnostics) {
-  const Result<std::string> text = read_file(path);
+  const Result<std::string> text = read_file(path, kMostFile_bytes);
   if (!text) return text.error();
   return parse_opendrive(*text, path, diagnostics);
 }

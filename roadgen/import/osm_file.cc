@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
@@ -9,6 +11,8 @@
 #include <osmium/io/any_input.hpp>
 #include <osmium/osm/node.hpp>
 #include <osmium/osm/way.hpp>
+
+#include "roadgen/import/text_file.h"
 
 namespace roadgen {
 namespace {
@@ -20,10 +24,22 @@ std::string way_name(std::int64_t id) { return "way " + std::to_string(id); }
 // A file of at most this size is read in one pass, all its nodes kept; a larger one in two.
 constexpr std::uintmax_t kOnePass_bytes = 32 << 20;
 
+// The file as libosmium takes it; bytes: where its content is put, to live as long. libosmium 2.19 leaves a PBF that it
+// cannot read open: small ones are handed over in memory.
+osmium::io::File opened(const std::string& path, std::string& bytes) {
+  osmium::io::File file(path);
+  if (file.format() != osmium::io::file_format::pbf || std::filesystem::file_size(path) > kOnePass_bytes) return file;
+  std::ifstream stream(path, std::ios::binary);
+  bytes.assign(std::istreambuf_iterator<char>(stream), {});
+  if (!stream) throw std::runtime_error("reading fails");
+  return osmium::io::File(bytes.data(), bytes.size(), "pbf");
+}
+
 // The file's objects of the given kinds, one after the other. Throws what libosmium throws.
 template <class Visit>
 void for_each(const std::string& path, osmium::osm_entity_bits::type kinds, const Visit& visit) {
-  osmium::io::Reader reader(osmium::io::File(path), kinds, osmium::io::read_meta::no);
+  std::string bytes;
+  osmium::io::Reader reader(opened(path, bytes), kinds, osmium::io::read_meta::no);
   while (const osmium::memory::Buffer buffer = reader.read()) {
     for (const osmium::OSMObject& object : buffer.select<osmium::OSMObject>()) visit(object);
   }
@@ -42,9 +58,26 @@ PlacedNode placed(const osmium::OSMObject& object) {
   return {node.id(), {node.location().x(), node.location().y()}};
 }
 
+// libosmium keeps keys and values one behind the other, each ended by a zero byte. Those of a PBF may hold more of them,
+// and an odd number would lead whoever walks the list beyond its end.
+bool is_walkable(const osmium::TagList& tags) {
+  const auto* const begin = reinterpret_cast<const char*>(&tags);
+  const char *const first = begin + sizeof(osmium::TagList), *const end = begin + tags.byte_size();
+  return first == end || (end[-1] == 0 && std::count(first, end, '\0') % 2 == 0);
+}
+
+struct TooMuch {
+  std::size_t limit;
+  const char* of;
+};
+void expect_at_most(std::size_t limit, std::size_t count, const char* of) {
+  if (count > limit) throw TooMuch{limit, of};
+}
+
 class OsmReader {
  public:
-  OsmReader(const std::string& path, ElementFindings& findings) : path_(path), findings_(findings) {}
+  OsmReader(const std::string& path, ElementFindings& findings, const OsmLimits& limits)
+      : path_(path), findings_(findings), limits_(limits) {}
   Result<OsmData> run();
 
  private:
@@ -57,6 +90,7 @@ class OsmReader {
 
   const std::string& path_;
   ElementFindings& findings_;
+  const OsmLimits& limits_;
   OsmData data_;
   std::vector<OsmWay> ways_;        // as in the file: first and count of refs_
   std::vector<std::int64_t> refs_;  // ids of nodes
@@ -67,7 +101,12 @@ class OsmReader {
 
 void OsmReader::take_way(const osmium::Way& way) {
   const osmium::TagList& list = way.tags();
-  if (!way.visible() || !list.has_key("highway")) return;
+  if (!way.visible()) return;
+  if (!is_walkable(list)) {
+    findings_.add(Severity::kWarning, "tags without sense", way_name(way.id()), "a zero byte in its tags: left out");
+    return;
+  }
+  if (!list.has_key("highway")) return;
   ParsedTags parsed = parse_tags([&](const char* key) { return list.get_value_by_key(key); });
   if (!parsed.drivable) return;
   if (!seen_.insert(way.id()).second) {
@@ -87,10 +126,11 @@ void OsmReader::take_way(const osmium::Way& way) {
     if (refs_.size() > kept.first && refs_.back() == ref.ref()) continue;
     refs_.push_back(ref.ref());
   }
-  if (refs_.size() > 0xFFFFFFF0u) throw std::length_error("more than 4e9 nodes of ways");
+  expect_at_most(limits_.refs, refs_.size(), "nodes of ways to drive on");
   if (parsed.reversed) std::reverse(refs_.begin() + kept.first, refs_.end());
   kept.count = static_cast<std::uint32_t>(refs_.size()) - kept.first;
   ways_.push_back(kept);
+  expect_at_most(limits_.ways, ways_.size(), "ways to drive on");
 }
 
 void OsmReader::want_nodes() {
@@ -139,6 +179,7 @@ void OsmReader::read_all() {
       take(object);
     } else {
       nodes.push_back(placed(object));
+      expect_at_most(limits_.one_pass_nodes, nodes.size(), "nodes");
     }
   });
   want_nodes();
@@ -192,13 +233,13 @@ void OsmReader::resolve() {
 }
 
 Result<OsmData> OsmReader::run() {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path_, ignored)) return Error{ErrorCode::kIo, "no such file; check the path", path_};
-  if (std::filesystem::is_directory(path_, ignored)) {
-    return Error{ErrorCode::kIo, "is a folder; name a file in it", path_};
-  }
+  if (Status status = check_is_file(path_); !status) return status.error();
   try {
     read_all();
+  } catch (const TooMuch& found) {
+    return Error{ErrorCode::kData,
+                 "holds more than " + std::to_string(found.limit) + " " + found.of + "; cut out the part that you need",
+                 path_};
   } catch (const std::exception& fault) {
     std::string what = fault.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
@@ -252,6 +293,8 @@ bool is_osm_file(const std::string& path) {
   return false;
 }
 
-Result<OsmData> read_osm(const std::string& path, ElementFindings& findings) { return OsmReader(path, findings).run(); }
+Result<OsmData> read_osm(const std::string& path, ElementFindings& findings, const OsmLimits& limits) {
+  return OsmReader(path, findings, limits).run();
+}
 
 }  // namespace roadgen

@@ -57,11 +57,18 @@ struct OsmData {
 // Whether the name's ending is one of an OSM file: .osm, .osm.gz, .osm.bz2, .osm.pbf, .pbf.
 bool is_osm_file(const std::string& path);
 
+// What memory is bounded by, however often a file repeats its elements; far more than a country has.
+struct OsmLimits {
+  std::size_t ways = 10'000'000;            // to drive on
+  std::size_t refs = 200'000'000;           // their nodes, each as often as it stands in one
+  std::size_t one_pass_nodes = 20'000'000;  // of a file read in one pass, which cannot hold so many unless it is packed
+};
+
 // Reads a large file in two passes, ways and then the nodes that they need, so memory is proportional to what is kept.
 // Findings: nodes that the file lacks or whose place is not on the Earth (the way is cut there), ways of fewer than two
 // nodes, ids that occur twice (the first one holds), tags that make no sense.
-// Errors: kIo; kParse where the file is broken; kData where it holds no way to drive on.
+// Errors: kIo; kParse where the file is broken; kData where it holds no way to drive on or more than the limits.
 // Cost: one parse up to 32 MB, else two; about 40 bytes of memory a node kept.
-Result<OsmData> read_osm(const std::string& path, ElementFindings& findings);
+Result<OsmData> read_osm(const std::string& path, ElementFindings& findings, const OsmLimits& limits = {});
 
 }  // namespace roadgen

@@ -470,9 +470,10 @@ LaneSection LineMaker::tapered(const Part& part, const Part* before, const Part*
   return section;
 }
 
-// Guard rails on bridges, a vault over tunnels.
+// Bridges with guard rails, a vault over tunnels.
 void LineMaker::add_structures(Road& road, const WayTags& of, std::size_t part) const {
   const double length = road.length_m();
+  if (of.bridge) road.bridges.push_back({.s_end_m = length});
   if (length < kLeastStructure_m) return;
   double left = -1e300, right = 1e300;
   for (const Segment& segment : road.segments) {

@@ -23,6 +23,8 @@ Json certificate_json(const Certificate& c, const Road& road, double allowed_err
           {"source_to_curve_m", c.source_to_curve_m},
           {"curve_to_source_m", c.curve_to_source_m},
           {"max_elevation_error_m", c.max_elevation_error_m},
+          {"outliers", c.outliers},
+          {"greatest_outlier_m", c.greatest_outlier_m},
           {"max_heading_jump_rad", c.max_heading_jump_rad},
           {"max_curvature_jump_per_m", c.max_curvature_jump_per_m}};
 }

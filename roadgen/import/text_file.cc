@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -34,16 +35,36 @@ std::size_t sequence_length(std::string_view text) {
 
 }  // namespace
 
-Result<std::string> read_file(const std::string& path) {
+Status check_is_file(const std::string& path) {
   std::error_code failed;
   const fs::file_status status = fs::status(path, failed);
   if (status.type() == fs::file_type::not_found) return Error{ErrorCode::kIo, "no such file; check the path", path};
   if (fs::is_directory(status)) return Error{ErrorCode::kIo, "is a folder; name a file in it", path};
   if (failed) return Error{ErrorCode::kIo, "cannot be read: " + failed.message(), path};
+  if (fs::is_regular_file(status) && fs::file_size(path, failed) == 0 && !failed) {
+    return Error{ErrorCode::kParse, "is empty", path};
+  }
+  return Done{};
+}
 
+Result<std::string> read_file(const std::string& path, std::uintmax_t most_bytes) {
+  if (Status status = check_is_file(path); !status) return status.error();
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return Error{ErrorCode::kIo, std::string("cannot be read: ") + std::strerror(errno), path};
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  // At once where the size is known, and what there is beyond it.
+  std::error_code unknown;
+  const std::uintmax_t size = fs::file_size(path, unknown);
+  const auto too_large = [&] {
+    return Error{ErrorCode::kData, "is larger than " + std::to_string(most_bytes >> 20) + " MiB; divide it", path};
+  };
+  if (!unknown && size > most_bytes) return too_large();
+  std::string text(unknown ? 0 : size, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  for (char block[4096]; stream.read(block, sizeof block) || stream.gcount() > 0;) {
+    text.append(block, static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > most_bytes) return too_large();
+  }
   if (stream.bad()) return Error{ErrorCode::kIo, "cannot be read to its end", path};
   if (text.empty()) return Error{ErrorCode::kParse, "is empty", path};
   return text;
@@ -51,6 +72,15 @@ Result<std::string> read_file(const std::string& path) {
 
 Status check_utf8(std::string_view text, const std::string& file) {
   for (std::size_t at = 0; at < text.size();) {
+    // Eight bytes of ASCII at a time: none has its highest bit, or is 0, where a 1 would be borrowed into that bit.
+    std::uint64_t eight = 0;
+    if (text.size() - at >= sizeof eight) {
+      std::memcpy(&eight, text.data() + at, sizeof eight);
+      if (((eight | (eight - 0x0101010101010101u)) & 0x8080808080808080u) == 0) {
+        at += sizeof eight;
+        continue;
+      }
+    }
     const std::size_t length = sequence_length(text.substr(at));
     if (length == 0) {
       return Error{ErrorCode::kParse, "is not UTF-8 text: save it as UTF-8, or check that it is the right file", file,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,8 +12,16 @@
 
 namespace roadgen {
 
-// The bytes of a regular file. Errors: kIo where it is missing, a folder, unreadable or empty.
-Result<std::string> read_file(const std::string& path);
+// Larger files are refused, so that memory stays bounded however often a file repeats its elements: what a reader makes
+// of one is some twenty times as large at worst.
+inline constexpr std::uintmax_t kMostText_bytes = std::uintmax_t{1} << 29;
+
+// Errors: kIo where there is no file or it is a folder; kParse where it is empty.
+Status check_is_file(const std::string& path);
+
+// The bytes of a regular file. Errors: kIo where it is missing, a folder or unreadable; kParse where it is empty; kData
+// where it is larger than most_bytes.
+Result<std::string> read_file(const std::string& path, std::uintmax_t most_bytes = kMostText_bytes);
 
 // Error kParse with the line of the first byte that is not UTF-8, or of the first NUL.
 Status check_utf8(std::string_view text, const std::string& file);

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/road/crossing.h"
+#include "roadgen/road/parallel.h"
 
 namespace roadgen {
 namespace {
@@ -85,16 +86,10 @@ Meetings meetings(const Network& network, const RoadsById& ids) {
   return all;
 }
 
-// How the connecting roads' carriageways and the area agree.
-struct Agreement {
-  double outside_m = 0;  // farthest place of a carriageway beyond the area's edge
-  double step_m = 0;     // greatest difference in height
-  double free = 0;       // part of the area that no road covers
-};
-
+// Where the connecting roads' carriageways and the area do not agree; empty where they do.
 // Requires: area and roads of sane sizes.
-Agreement agreement(const JunctionSurface& surface, const Network& network, const std::vector<std::size_t>& ways) {
-  Agreement found;
+std::string disagreement(const JunctionSurface& surface, const Network& network, const std::vector<std::size_t>& ways) {
+  bool is_outside = false;
   const glm::dvec2 low = glm::dvec2(surface.center_m) + glm::dvec2(surface.low_m);
   const glm::dvec2 size = glm::dvec2(surface.high_m) - glm::dvec2(surface.low_m);
   const int columns = 1 + static_cast<int>(size.x / kProbe_m), rows = 1 + static_cast<int>(size.y / kProbe_m);
@@ -107,6 +102,7 @@ Agreement agreement(const JunctionSurface& surface, const Network& network, cons
   // Closer than the cells are wide, so that none of those that a road covers is missed.
   constexpr double kStep_m = 0.5 * kProbe_m;
   constexpr int kSparse = 4;
+  constexpr double kFar_m = 2 * kMostOutside_m;  // which distances beyond need not be told apart
   for (const std::size_t way : ways) {
     const Road& road = network.roads[way];
     for (const Segment& segment : road.segments) {
@@ -125,25 +121,26 @@ Agreement agreement(const JunctionSurface& surface, const Network& network, cons
           // Every fourth place, and the edges all along: surfaces and outlines are smooth.
           const bool is_edge = j == 0 || j == across;
           if (!is_edge && (i % kSparse != 0 || j % kSparse != 0)) continue;
-          const double inside = signed_distance_m(surface, p);
-          found.outside_m = std::max(found.outside_m, -inside);
-          if (i % kSparse != 0) continue;
-          const double step = surface_at(segment, local, n).height - height_at(surface, p).height_m;
-          if (inside >= 0) found.step_m = std::max(found.step_m, std::abs(step));
+          const bool inside = is_inside(surface, p);
+          if (!inside && !is_outside) is_outside = signed_distance_m(surface, p, kFar_m) < -kMostOutside_m;
+          if (!inside || i % kSparse != 0) continue;
+          const double step = surface_at(segment, local, n).height - height_m_at(surface, p);
+          if (std::abs(step) > kMostStep_m) return "its roads lie at different heights";
         }
       }
     }
   }
+  if (is_outside) return "its roads reach beyond the area between the ends";
   std::size_t inside = 0, free = 0;
   for (int y = 0; y < rows; y += 2) {
     for (int x = 0; x < columns; x += 2) {
-      if (signed_distance_m(surface, low + kProbe_m * glm::dvec2(x + 0.5, y + 0.5)) < kProbe_m) continue;
+      if (signed_distance_m(surface, low + kProbe_m * glm::dvec2(x + 0.5, y + 0.5), kProbe_m) < kProbe_m) continue;
       ++inside;
       free += covered[static_cast<std::size_t>(y) * columns + x] ? 0 : 1;
     }
   }
-  found.free = inside > 0 ? static_cast<double>(free) / static_cast<double>(inside) : 0;
-  return found;
+  const bool is_free = static_cast<double>(free) > kMostFree * static_cast<double>(inside);
+  return is_free ? "its roads leave much of the area free" : "";
 }
 
 // Corners as wide as the arms allow: connecting roads begin to turn at the cuts.
@@ -157,7 +154,7 @@ std::string roads_kept_why(const Network& network, const RoadsById& ids, const s
   for (const RoadEnd& end : meeting.ends) arms.push_back(arm_of(*find(network, ids, end.road), end.at_end));
   const Result<Junction> area = make_junction(id, std::move(arms), kWidestCorners);
   if (!area) return plain_message(id, area.error());
-  const JunctionSurface surface = junction_surface(*area);
+  const JunctionSurface surface = junction_pieces(*area);
   const glm::dvec3 size = surface.high_m - surface.low_m;
   bool vast = std::max(size.x, size.y) > kWidest_m;
   for (const std::size_t way : meeting.ways) {
@@ -166,10 +163,21 @@ std::string roads_kept_why(const Network& network, const RoadsById& ids, const s
     for (const Segment& segment : road.segments) vast = vast || segment.max_half_width_m() > kWidest_m;
   }
   if (vast) return "it is too large";
-  const Agreement a = agreement(surface, network, meeting.ways);
-  if (a.step_m > kMostStep_m) return "its roads lie at different heights";
-  if (a.outside_m > kMostOutside_m) return "its roads reach beyond the area between the ends";
-  return a.free > kMostFree ? "its roads leave much of the area free" : "";
+  return disagreement(surface, network, meeting.ways);
+}
+
+// The same for every junction that could have an area, on all cores.
+std::vector<std::string> roads_kept_why(const Network& network, const RoadsById& ids,
+                                        const std::vector<XodrJunction>& junctions, const Meetings& all) {
+  std::vector<std::string> reasons(junctions.size());
+  for_chunks(junctions.size(), 1, [&](std::size_t, std::size_t i, std::size_t) {
+    const XodrJunction& junction = junctions[i];
+    if (junction.own || junction.links.type != JunctionType::kDefault) return;
+    const auto meeting = all.find(junction.links.id);
+    reasons[i] =
+        meeting == all.end() ? "no roads meet in it" : roads_kept_why(network, ids, junction.links.id, meeting->second);
+  });
+  return reasons;
 }
 
 }  // namespace
@@ -183,22 +191,21 @@ void add_areas(XodrSource& source, const std::vector<XodrJunction>& junctions, N
     source.set_element("junction " + junction.links.id);
     source.note(junction.line, "a junction keeps its roads: " + why);
   };
-  for (const XodrJunction& junction : junctions) {
+  const std::vector<std::string> reasons = roads_kept_why(network, ids, junctions, all);
+  for (std::size_t i = 0; i < junctions.size(); ++i) {
+    const XodrJunction& junction = junctions[i];
     source.set_element("junction " + junction.links.id);
     if (junction.area) add_own_area(source, junction, ids, network);
     if (junction.own) continue;
-    if (!junction.crossing) {
+    if (junction.links.type != JunctionType::kDefault) {
       source.note(junction.line, "a junction of another type than default keeps its roads");
       continue;
     }
-    const auto meeting = all.find(junction.links.id);
-    const std::string why =
-        meeting == all.end() ? "no roads meet in it" : roads_kept_why(network, ids, junction.links.id, meeting->second);
-    if (!why.empty()) {
-      keep_roads(junction, why);
+    if (!reasons[i].empty()) {
+      keep_roads(junction, reasons[i]);
       continue;
     }
-    plans.push_back({junction.links.id, meeting->second.ends, kWidestCorners});
+    plans.push_back({junction.links.id, all.at(junction.links.id).ends, kWidestCorners});
     planned.push_back(&junction);
   }
   const std::vector<Status> added = add_crossings(network, plans);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <pugixml.hpp>
 
+#include "roadgen/import/xodr_records.h"
+
 namespace roadgen {
 namespace {
 
@@ -195,14 +197,35 @@ std::vector<From<LaneHeights>> read_heights(XodrSource& source, const pugi::xml_
   return heights;
 }
 
-void note_unkept(XodrSource& source, const pugi::xml_node& lane) {
-  constexpr std::string_view kKept[] = {"width", "border", "roadMark", "height", "material", "link", "userData"};
-  for (const pugi::xml_node part : lane.children()) {
-    const std::string name = part.name();
-    if (part.type() == pugi::node_element && std::find(std::begin(kKept), std::end(kKept), name) == std::end(kKept)) {
-      source.note(part, "<" + name + "> of lanes is not kept");
-    }
+std::vector<From<SpeedLimit>> read_speeds(XodrSource& source, const pugi::xml_node& lane, double base_m) {
+  std::vector<From<SpeedLimit>> speeds;
+  for (const pugi::xml_node node : lane.children("speed")) {
+    speeds.push_back({base_m + source.number(node, "sOffset"), read_speed(source, node), source.line(node)});
   }
+  expect_order(source, speeds, "<speed>");
+  return speeds;
+}
+
+// Those that begin at one place hold together, until others begin.
+std::vector<From<std::string>> read_texts(XodrSource& source, const pugi::xml_node& lane, const char* name,
+                                          double base_m) {
+  std::vector<From<std::string>> texts;
+  pugi::xml_document copy;
+  for (const pugi::xml_node node : lane.children(name)) {
+    const double s_m = base_m + source.number(node, "sOffset");
+    copy.reset();
+    pugi::xml_node from_here = copy.append_copy(node);
+    from_here.attribute("sOffset").set_value("0");
+    if (texts.empty() || texts.back().s_m != s_m) texts.push_back({s_m, {}, source.line(node)});
+    texts.back().value += element_xml(from_here);
+  }
+  expect_order(source, texts, "<" + std::string(name) + ">");
+  return texts;
+}
+
+void note_unkept(XodrSource& source, const pugi::xml_node& lane) {
+  note_others(source, lane, "lanes",
+              {"width", "border", "roadMark", "height", "material", "speed", "access", "rule", "link", "userData"});
   const std::string level = lane.attribute("level").value();
   if (level == "true" || level == "1") source.note(lane, "lanes that stay level (level=\"true\") tilt with the road");
 }
@@ -223,6 +246,9 @@ XodrLane read_lane(XodrSource& source, const pugi::xml_node& node, Side side, do
   lane.marks = read_marks(source, node, side, base_m);
   lane.heights = read_heights(source, node, base_m);
   lane.materials = read_materials(source, node, lane.type, base_m);
+  lane.speeds = read_speeds(source, node, base_m);
+  lane.accesses = read_texts(source, node, "access", base_m);
+  lane.rules = read_texts(source, node, "rule", base_m);
   const Profile& edge = lane.widths.empty() ? lane.borders : lane.widths;
   if (edge.empty() || edge.front().s_m > base_m + kSamePlace_m) {
     source.note(node, "a lane has no <width> at its start, where it counts as 0");
@@ -318,6 +344,22 @@ std::vector<Lane> lanes_at(XodrSource& source, const std::vector<XodrLane>& lane
   return result;
 }
 
+// What else holds for the lanes of one side, by ids that fall.
+void add_records(std::vector<LaneRecord>& records, std::size_t section, const std::vector<XodrLane>& lanes, double s_m,
+                 const Stations& stations) {
+  std::vector<LaneRecord> found;
+  for (const XodrLane& lane : lanes) {
+    LaneRecord record{.section = static_cast<std::uint32_t>(section), .lane = lane.id};
+    if (const auto* speed = holding(lane.speeds, s_m, stations)) record.speed = speed->value;
+    if (const auto* access = holding(lane.accesses, s_m, stations)) record.access_xml = access->value;
+    if (const auto* rule = holding(lane.rules, s_m, stations)) record.rule_xml = rule->value;
+    const LaneRecord none{.section = record.section, .lane = record.lane};
+    if (record != none) found.push_back(std::move(record));
+  }
+  std::sort(found.begin(), found.end(), [](const LaneRecord& a, const LaneRecord& b) { return a.lane > b.lane; });
+  for (LaneRecord& record : found) records.push_back(std::move(record));
+}
+
 }  // namespace
 
 std::vector<double> XodrLanes::changes_m() const {
@@ -336,6 +378,7 @@ std::vector<double> XodrLanes::changes_m() const {
     for (const auto* side : {&section.left, &section.right}) {
       for (const XodrLane& lane : *side) {
         add(lane.widths), add(lane.borders), add(lane.marks), add(lane.heights), add(lane.materials);
+        add(lane.speeds), add(lane.accesses), add(lane.rules);
       }
     }
   }
@@ -360,8 +403,7 @@ XodrLanes read_lanes(XodrSource& source, const pugi::xml_node& road) {
   return lanes;
 }
 
-std::vector<LaneSection> lane_sections(XodrSource& source, const XodrLanes& lanes, const Stations& stations,
-                                       double start_m) {
+LaneSections lane_sections(XodrSource& source, const XodrLanes& lanes, const Stations& stations, double start_m) {
   std::vector<double> starts{start_m};
   for (const double s : lanes.changes_m()) {
     const double snapped = stations.snapped(s);
@@ -370,7 +412,7 @@ std::vector<LaneSection> lane_sections(XodrSource& source, const XodrLanes& lane
   std::sort(starts.begin(), starts.end());
   starts.erase(std::unique(starts.begin(), starts.end()), starts.end());
 
-  std::vector<LaneSection> sections;
+  LaneSections found;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const double s = starts[i], length = (i + 1 < starts.size() ? starts[i + 1] : stations.end_m()) - s;
     const XodrLaneSection* whole = section_of(lanes, s, stations, nullptr);
@@ -391,9 +433,12 @@ std::vector<LaneSection> lane_sections(XodrSource& source, const XodrLanes& lane
     if (left) section.left = lanes_at(source, left->left, 1, section.offset_m, s, length, stations);
     if (right) section.right = lanes_at(source, right->right, -1, section.offset_m, s, length, stations);
     if (source.failed()) return {};
-    sections.push_back(std::move(section));
+    for (const auto& [from, side] : {std::pair(left, &XodrLaneSection::left), {right, &XodrLaneSection::right}}) {
+      if (from) add_records(found.records, i, from->*side, s, stations);
+    }
+    found.sections.push_back(std::move(section));
   }
-  return sections;
+  return found;
 }
 
 }  // namespace roadgen

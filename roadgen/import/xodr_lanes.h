@@ -1,13 +1,14 @@
 // <lanes> of an OpenDRIVE road as cross sections. Internal to roadgen/import.
 //
 // Source: ASAM OpenDRIVE 1.7, clause 11. A section of the file is divided where a record of a lane's width, border,
-// height, material or mark begins, or one of the lane offset, so that each part holds one of each.
+// height, material, mark, speed, access or rule begins, or one of the lane offset, so that each part holds one of each.
 #pragma once
 
 #include <vector>
 
 #include "roadgen/import/xodr_source.h"
 #include "roadgen/road/lane.h"
+#include "roadgen/road/records.h"
 
 namespace roadgen {
 
@@ -24,6 +25,8 @@ struct XodrLane {
   std::vector<From<Mark>> marks;
   std::vector<From<LaneHeights>> heights;
   std::vector<From<Material>> materials;
+  std::vector<From<SpeedLimit>> speeds;
+  std::vector<From<std::string>> accesses, rules;  // the elements that begin at s, as text, their sOffset 0
 };
 
 struct XodrLaneSection {
@@ -46,9 +49,12 @@ struct XodrLanes {
 // order, lane ids that are not 1, 2, ... on the left and -1, -2, ... on the right.
 XodrLanes read_lanes(XodrSource& source, const pugi::xml_node& road);
 
-// The cross sections at the stations that changes_m fall on, s and lengths in the file's s. Errors (in source): no
-// section at the road's start; a width beyond 1e6 m.
-std::vector<LaneSection> lane_sections(XodrSource& source, const XodrLanes& lanes, const Stations& stations,
-                                       double start_m);
+// The cross sections at the stations that changes_m fall on, s and lengths in the file's s, and what else holds for their
+// lanes. Errors (in source): no section at the road's start; a width beyond 1e6 m.
+struct LaneSections {
+  std::vector<LaneSection> sections;
+  std::vector<LaneRecord> records;
+};
+LaneSections lane_sections(XodrSource& source, const XodrLanes& lanes, const Stations& stations, double start_m);
 
 }  // namespace roadgen

@@ -4,6 +4,8 @@
 #include <pugixml.hpp>
 #include <set>
 
+#include "roadgen/import/xodr_records.h"
+
 namespace roadgen {
 namespace {
 
@@ -45,13 +47,14 @@ std::vector<LaneLink> lane_links(const pugi::xml_node& section, const char* elem
   return links;
 }
 
-std::optional<Connection> read_connection(XodrSource& source, const pugi::xml_node& node) {
+std::optional<Connection> read_connection(XodrSource& source, const pugi::xml_node& node, bool direct) {
   Connection connection;
   connection.incoming = node.attribute("incomingRoad").value();
-  connection.connecting = node.attribute("connectingRoad").value();
+  connection.connecting = node.attribute(direct ? "linkedRoad" : "connectingRoad").value();
   const std::optional<bool> at_end = contact_at_end(node);
   if (connection.incoming.empty() || connection.connecting.empty() || !at_end) {
-    source.note(node, "a connection without incomingRoad, connectingRoad and contactPoint is not kept");
+    source.note(node, std::string("a connection without incomingRoad, ") + (direct ? "linkedRoad" : "connectingRoad") +
+                          " and contactPoint is not kept");
     return {};
   }
   connection.at_end = *at_end;
@@ -105,6 +108,11 @@ void read_links(XodrSource& source, const pugi::xml_node& node, Road& road) {
   for (const pugi::xml_node part : node.child("link").children()) {
     if (!is_element(part)) continue;
     const std::string name = part.name();
+    // To a place on a road, in a virtual junction; beside the road, of old files.
+    if (part.attribute("elementS") || name == "neighbor") {
+      road.records.edit().other_links_xml += element_xml(part);
+      continue;
+    }
     if (name != "predecessor" && name != "successor") {
       source.note(part, "<" + name + "> in links is not kept");
       continue;
@@ -143,16 +151,28 @@ XodrJunction read_junction(XodrSource& source, const pugi::xml_node& node) {
   junction.links.name = node.attribute("name").value();
   junction.line = source.line(node);
   const std::string type = node.attribute("type").as_string("default");
-  junction.crossing = type == "default";
-  for (const pugi::xml_node part : node.children()) {
-    if (!is_element(part)) continue;
-    const std::string name = part.name();
-    if (name == "connection") {
-      if (auto connection = read_connection(source, part)) junction.links.connections.push_back(std::move(*connection));
-    } else if (name != "userData") {
-      source.note(part, "<" + name + "> of junctions is not kept");
+  const std::optional<JunctionType> known = junction_type(type);
+  if (!known) source.note(node, "the junction type \"" + type + "\" is read as default");
+  junction.links.type = known.value_or(JunctionType::kDefault);
+  JunctionRecords records;
+  for (const pugi::xml_node part : node.children("connection")) {
+    // Between places on roads, which no connecting road joins.
+    if (part.child("predecessor") || part.child("successor")) {
+      records.other_xml += element_xml(part);
+    } else if (auto connection = read_connection(source, part, junction.links.type == JunctionType::kDirect)) {
+      junction.links.connections.push_back(std::move(*connection));
     }
   }
+  records.other_xml += other_xml(source, node, "junctions",
+                                 {"priority", "controller", "surface", "planView", "boundary", "elevationGrid",
+                                  "roadSection", "crossPath", "objects", "userData"},
+                                 {"connection"});
+  if (junction.links.type == JunctionType::kVirtual) {
+    records.main_road = node.attribute("mainRoad").value();
+    records.s_start_m = source.number_or(node, "sStart", 0), records.s_end_m = source.number_or(node, "sEnd", 0);
+    records.orientation = orientation_of(node);
+  }
+  if (records != JunctionRecords{}) junction.links.records.edit() = std::move(records);
   const std::string area = user_data(node, "roadgen:area");
   junction.own = !area.empty();
   if (junction.own && area != "none") junction.area = read_area(source, node, area);
@@ -182,6 +202,11 @@ void settle_links(XodrSource& source, Network& network) {
     const auto lost = [&](const Connection& c) { return !roads.contains(c.incoming) || !roads.contains(c.connecting); };
     const std::size_t count = std::erase_if(junction.connections, lost);
     for (std::size_t i = 0; i < count; ++i) source.note(0, "a connection of a road that is not there is dropped");
+    const std::string& main_road = junction.records->main_road;
+    if (junction.type == JunctionType::kVirtual && !roads.contains(main_road)) {
+      source.note(0, "the mainRoad of a virtual junction is not there");
+      if (!main_road.empty()) junction.records.edit().main_road.clear();
+    }
   }
   source.set_element("");
   const std::vector<std::string> odd = link_problems(network);

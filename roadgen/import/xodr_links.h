@@ -15,7 +15,6 @@ namespace roadgen {
 struct XodrJunction {
   JunctionLinks links;
   int line = 0;
-  bool crossing = true;  // of type default: neither virtual nor direct
   bool own = false;      // says itself whether it has an area
   struct Area {
     double corner_radius_m = 0, underlap_m = 0;
@@ -30,7 +29,7 @@ void read_links(XodrSource& source, const pugi::xml_node& node, Road& road);
 // Takes joined_start and joined_end where our own file says them; returns whether it does.
 bool read_joined(XodrSource& source, const pugi::xml_node& node, Road& road);
 
-// Errors (in source): kParse where the id is missing.
+// Errors (in source): kParse where the id is missing or a number malformed.
 XodrJunction read_junction(XodrSource& source, const pugi::xml_node& node);
 
 // Drops links to what the network does not have, with notes, and notes those that the other side does not return.

@@ -5,6 +5,7 @@
 
 #include <glm/common.hpp>
 
+#include "roadgen/import/xodr_records.h"
 #include "roadgen/import/xodr_sweeps.h"
 
 namespace roadgen {
@@ -150,46 +151,54 @@ std::optional<Paint> stop_line(XodrSource& source, const pugi::xml_node& signal,
                .against = orientation == "-"};
 }
 
-// Told once for each type.
-void note_unknown(XodrSource& source, const pugi::xml_node& element) {
-  const std::string name = element.name(), type = element.attribute("type").value();
-  if (name != "object") return source.note(element, "<" + name + "> of roads is not kept");
-  const std::string which = type.empty() ? "objects without a type" : "objects of type \"" + type + "\"";
-  source.note(element, which + (paint_kind(element) ? " askew to their road or without a size are not kept"
-                                                    : " other than paint and guard rails are not kept"));
-}
-
 }  // namespace
 
-void read_objects(XodrSource& source, const pugi::xml_node& node, Road& road,
-                  const std::function<double(double)>& station_m) {
+void read_objects(XodrSource& source, const pugi::xml_node& node, Road& road, const StationMap& station_m) {
   std::vector<XodrSweep> sweeps;
-  for (const pugi::xml_node object : node.child("objects").children()) {
+  RoadRecords records = *road.records;
+  const pugi::xml_node objects = node.child("objects");
+  // What read_sweeps leaves of tunnels has no length to be drawn along.
+  for (const pugi::xml_node object : objects.children()) {
     if (object.type() != pugi::node_element || read_sweeps(source, object, road, station_m, sweeps)) continue;
-    std::optional<Paint> paint;
-    if (object.name() == std::string_view("object")) paint = object_paint(source, object);
-    if (!paint) {
-      note_unknown(source, object);
+    if (object.name() == std::string_view("bridge")) {
+      if (auto bridge = read_bridge(source, object, road.length_m(), station_m)) road.bridges.push_back(*bridge);
+    }
+    if (object.name() != std::string_view("object")) continue;
+    if (std::optional<Paint> paint = object_paint(source, object)) {
+      if (object.child("repeat")) source.note(object, "<repeat> of paint is not kept");
+      paint->s_m = station_m(paint->s_m);
+      road.paint.push_back(*paint);
       continue;
     }
-    if (object.child("repeat")) source.note(object, "<repeat> of paint is not kept");
-    paint->s_m = station_m(paint->s_m);
-    road.paint.push_back(*paint);
+    if (paint_kind(object))
+      source.note(object, "paint askew to its road or without a size is kept, but is not painted");
+    if (auto record = read_object(source, object, station_m)) records.objects.push_back(std::move(*record));
   }
+  records.other_objects_xml =
+      other_xml(source, objects, "objects of roads", {"objectReference"}, {"object", "tunnel", "bridge", "userData"});
   std::stable_sort(sweeps.begin(), sweeps.end(),
                    [](const XodrSweep& a, const XodrSweep& b) { return a.order < b.order; });
   for (XodrSweep& found : sweeps) road.sweeps.push_back(std::move(found.sweep));
-  for (const pugi::xml_node signal : node.child("signals").children()) {
-    if (signal.type() != pugi::node_element) continue;
-    std::optional<Paint> paint;
-    if (signal.name() == std::string_view("signal") && signal.attribute("type").value() == std::string_view("294")) {
-      paint = stop_line(source, signal, road, station_m(source.number(signal, "s")));
+
+  const pugi::xml_node signals = node.child("signals");
+  for (const pugi::xml_node signal : signals.children("signal")) {
+    const bool is_stop_line = signal.attribute("type").value() == std::string_view("294");
+    const double s_m = is_stop_line ? station_m(source.number(signal, "s")) : 0;
+    auto record = read_signal(source, signal, station_m);
+    if (is_stop_line && !(record && record->is_painted)) {
+      const std::optional<Paint> paint = stop_line(source, signal, road, s_m);
+      if (paint) road.paint.push_back(*paint);
+      if (record) record->is_painted = paint.has_value();
     }
-    if (paint)
-      road.paint.push_back(*paint);
-    else
-      source.note(signal, "signals other than stop lines (294) are not kept");
+    if (record) records.signals.push_back(std::move(*record));
   }
+  records.other_signals_xml = other_xml(source, signals, "signals of roads",
+                                        {"signalReference", "staticBoard", "vmsBoard"}, {"signal", "userData"});
+  records.other_xml = other_xml(
+      source, node, "roads", {"surface", "railroad"},
+      {"link", "type", "planView", "elevationProfile", "lateralProfile", "lanes", "objects", "signals", "userData"});
+  records.types = read_types(source, node, station_m);
+  if (records != *road.records) road.records.edit() = std::move(records);
 }
 
 }  // namespace roadgen

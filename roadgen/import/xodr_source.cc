@@ -34,7 +34,14 @@ Diagnostics XodrSource::notes() const {
   return diagnostics;
 }
 
-int XodrSource::line(const pugi::xml_node& node) const { return lines_.line(node.offset_debug()); }
+void XodrSource::add_notes(const XodrSource& part) {
+  for (const auto& [what, seen] : part.notes_) {
+    notes_.try_emplace(what, Note{seen.line, seen.element, 0}).first->second.count += seen.count;
+  }
+}
+
+int XodrSource::line(const pugi::xml_node& node) const { return line(node.offset_debug()); }
+int XodrSource::line(std::ptrdiff_t offset) const { return first_line_ - 1 + lines_.line(offset); }
 
 double XodrSource::number(const pugi::xml_node& node, const char* name) {
   if (!node.attribute(name)) {
@@ -81,6 +88,15 @@ std::vector<double> numbers_in(std::string_view text) {
 
 std::string user_data(const pugi::xml_node& parent, const char* code) {
   return parent.find_child_by_attribute("userData", "code", code).attribute("value").value();
+}
+
+void note_others(XodrSource& source, const pugi::xml_node& node, const std::string& where,
+                 std::initializer_list<std::string_view> known) {
+  for (const pugi::xml_node child : node.children()) {
+    const std::string name = child.name();
+    if (child.type() != pugi::node_element || std::find(known.begin(), known.end(), name) != known.end()) continue;
+    source.note(child, "<" + name + "> of " + where + " is not kept");
+  }
 }
 
 Profile read_profile(XodrSource& source, const pugi::xml_node& parent, const char* name, const char* position,

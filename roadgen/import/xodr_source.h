@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
@@ -26,13 +27,16 @@ inline constexpr double kSamePlace_m = 1e-6;
 // Greatest absolute value of a profile, in metres or radians.
 inline constexpr double kGreatestProfile = 1e6;
 
-// One document that is being read. The first error stops everything: callers return early once failed().
+// A document, or a part of one, that is being read. The first error stops everything: callers return early once failed().
 class XodrSource {
  public:
-  XodrSource(std::string_view text, std::string file) : lines_(text), file_(std::move(file)) {}
+  // first_line: of the text in its file.
+  XodrSource(std::string_view text, std::string file, int first_line = 1)
+      : lines_(text), first_line_(first_line), file_(std::move(file)) {}
 
   // The road or other element that errors and notes name.
   void set_element(std::string element) { element_ = std::move(element); }
+  const std::string& element() const { return element_; }
   const std::string& file() const { return file_; }
 
   bool failed() const { return error_.has_value(); }
@@ -44,8 +48,11 @@ class XodrSource {
   void note(const pugi::xml_node& where, const std::string& what);
   void note(int line, const std::string& what);
   Diagnostics notes() const;
+  // Those of a part, after what was noted before.
+  void add_notes(const XodrSource& part);
 
   int line(const pugi::xml_node& node) const;
+  int line(std::ptrdiff_t offset) const;  // of a byte of the text
 
   // Attributes; missing or malformed ones are errors. number_or: only malformed ones.
   double number(const pugi::xml_node& node, const char* name);
@@ -61,6 +68,7 @@ class XodrSource {
   };
 
   LineIndex lines_;
+  int first_line_;
   std::string file_, element_;
   std::optional<Error> error_;
   std::map<std::string, Note> notes_;
@@ -70,6 +78,10 @@ class XodrSource {
 std::vector<double> numbers_in(std::string_view text);
 // The value of the node's <userData code=CODE>, or empty.
 std::string user_data(const pugi::xml_node& parent, const char* code);
+
+// Notes the children of other names: "<NAME> of WHERE is not kept".
+void note_others(XodrSource& source, const pugi::xml_node& node, const std::string& where,
+                 std::initializer_list<std::string_view> known);
 
 // Something that holds from s on.
 template <class T>

@@ -35,7 +35,7 @@ struct BoxTree::Builder {
 
 BoxTree::BoxTree(const std::vector<Box>& boxes) {
   if (boxes.empty()) return;
-  assert(boxes.size() < kItem);
+  assert(boxes.size() < kItem - 1);
   Box all = kNothing;
   for (const Box& box : boxes) add(all, box);
   origin_m_ = 0.5 * (all.low_m + all.high_m);
@@ -81,14 +81,13 @@ std::uint32_t BoxTree::Builder::build(std::uint32_t begin, std::uint32_t end) {
     ++count;
   }
   Node node;
-  node.count = count;
   for (std::uint32_t i = 0; i < kWidth; ++i) {
     Box all = kNothing;
     if (i < count) {
       for (std::uint32_t k = bounds[i]; k < bounds[i + 1]; ++k) add(all, boxes[order[k]]);
       node.child[i] = bounds[i + 1] - bounds[i] == 1 ? order[bounds[i]] | kItem : build(bounds[i], bounds[i + 1]);
     } else {
-      node.child[i] = kItem;
+      node.child[i] = kNoChild;
     }
     for (int k = 0; k < 3; ++k) {
       node.low[k][i / 4][i % 4] = below(all.low_m[k] - tree.origin_m_[k] - kMargin_m);
@@ -138,9 +137,9 @@ inline std::uint32_t BoxTree::Walk::advance() {
   }
   // Into the stack, the nearest on top.
   const std::uint32_t bottom = top_;
-  const std::uint32_t all = (1u << node.count) - 1;
-  for (std::uint32_t near = ~far & all; near != 0; near &= near - 1) {
+  for (std::uint32_t near = ~far & ((1u << kWidth) - 1); near != 0; near &= near - 1) {
     const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
+    if (node.child[i] == kNoChild) break;  // nor are there others
     const std::uint32_t four = i / 4, lane = i % 4;
     const Waiting child{plane2[four][lane], gap[four][lane], node.child[i]};
     std::uint32_t place = top_++;

@@ -53,7 +53,7 @@ class BoxTree {
   static constexpr double kMargin_m = 1e-7;
 
   BoxTree() = default;
-  // Requires: finite boxes, fewer than 2^31. Cost: O(n log^2 n).
+  // Requires: finite boxes, fewer than 2^31 - 1. Cost: O(n log^2 n).
   explicit BoxTree(const std::vector<Box>& boxes);
 
   std::size_t bytes() const { return nodes_.size() * sizeof(Node); }
@@ -70,7 +70,8 @@ class BoxTree {
  private:
   static constexpr std::uint32_t kWidth = 16;
   static constexpr std::uint32_t kFours = kWidth / 4;
-  static constexpr std::uint32_t kItem = 0x80000000u;  // in a child: not a node but an item
+  static constexpr std::uint32_t kItem = 0x80000000u;     // in a child: not a node but an item
+  static constexpr std::uint32_t kNoChild = 0xffffffffu;  // whose box is farther than any
   // Side by side by the compiler's vectors (GCC, Clang), which every processor has in one form or another.
   using Four = float __attribute__((vector_size(16)));
   using Fours = std::int32_t __attribute__((vector_size(16)));  // what comparing them gives: 0 or -1
@@ -88,8 +89,8 @@ class BoxTree {
     Four low[3][kFours];
     Four high[3][kFours];
     std::uint32_t child[kWidth];
-    std::uint32_t count;
   };
+  static_assert(sizeof(Node) == 448);  // seven cache lines
   struct Waiting {
     float plane2, gap;  // squared horizontal distance; what the vertical one costs
     std::uint32_t child;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
@@ -89,15 +90,15 @@ Footprint::Footprint(const Road& road, const Segment& segment, SegmentRef at, st
       a_(segment.slope_start),
       b_(segment.slope_end),
       area_(area),
-      length_m_(segment.chord_length_m()),
       s_start_m_(segment.s_start_m),
+      elevation_m_(segment.elevation_m),
+      length_m_(segment.chord_length_m()),
       left_m_(segment.left_m.c0),
       right_m_(segment.right_m.c0),
       at_(at),
-      elevation_m_(segment.elevation_m),
-      segment_(&segment),
       section_(&section_of(road, segment)) {
   const glm::dvec2 chord = segment.chord_m();
+  heading_rad_ = std::atan2(chord.y, chord.x);
   axis_ = chord / glm::dot(chord, chord);
   const double at_start = std::sqrt(1 + a_ * a_), at_end = std::sqrt(1 + b_ * b_), arc = segment.arc_m / length_m_;
   const double c = segment.arc_c0 - 0.5 * segment.arc_c1, c1 = segment.arc_c1;
@@ -112,6 +113,7 @@ Footprint::Footprint(const Road& road, const Segment& segment, SegmentRef at, st
   y_low_ = static_cast<float>(low - kSingle * std::abs(low));
   y_high_ = static_cast<float>(high + kSingle * std::abs(high));
   if (segment.left_m.is_constant() && segment.right_m.is_constant()) flags_ |= kConstantEdges;
+  if (elevation_m_.is_constant()) flags_ |= kLevelAlong;
   if (is_zero(segment.superelevation_rad)) flags_ |= kLevelAcross;
   const Cubic::Range raised = lane_height_range_m(*section_);
   if ((flags_ & kLevelAcross) && is_zero(segment.crossfall_left) && is_zero(segment.crossfall_right) &&
@@ -140,7 +142,7 @@ int Footprint::beyond(glm::dvec2 point_m) const {
   return (p.x - 1 + b_ * p.y) * length_m_ > kTouch_m ? 1 : 0;
 }
 
-RoadPoint Footprint::place_at(Local p, double u) const {
+RoadPoint Footprint::place_at(const Road& road, Local p, double u) const {
   RoadPoint r;
   r.at = at_;
   r.u = u;
@@ -149,11 +151,11 @@ RoadPoint Footprint::place_at(Local p, double u) const {
   const double n = (dy - dx * df) * scale;
   // Between the ends the foot is perpendicular and what is along is rounding only.
   const double along = u > 0 && u < 1 ? 0 : (dx + dy * df) * scale;
-  const double local_s = u < 1 ? arc(u) : segment_->arc_m;
+  const double local_s = arc(u);
   r.s_m = s_start_m_ + local_s;
-  const double cosine = flags_ & kLevelAcross ? 1 : std::cos(segment_->superelevation_rad.value(local_s));
-  const double left = flags_ & kConstantEdges ? left_m_ : segment_->left_m.value(local_s);
-  const double right = flags_ & kConstantEdges ? right_m_ : segment_->right_m.value(local_s);
+  const double cosine = flags_ & kLevelAcross ? 1 : std::cos(segment(road).superelevation_rad.value(local_s));
+  const double left = flags_ & kConstantEdges ? left_m_ : segment(road).left_m.value(local_s);
+  const double right = flags_ & kConstantEdges ? right_m_ : segment(road).right_m.value(local_s);
   r.t_m = n / cosine;
   const double beside = std::max({n - left * cosine, right * cosine - n, 0.0});
   r.outside_m = along == 0 ? beside : std::sqrt(along * along + beside * beside);
@@ -162,18 +164,18 @@ RoadPoint Footprint::place_at(Local p, double u) const {
   return r;
 }
 
-RoadPoint Footprint::locate(glm::dvec2 point_m) const {
+RoadPoint Footprint::locate(const Road& road, glm::dvec2 point_m) const {
   const Local p = local(point_m);
   const double before = p.x + a_ * p.y, after = p.x - 1 + b_ * p.y;  // equation 1 at both ends
   if ((std::abs(p.y) + greatest_offset(a_, b_)) * greatest_second(a_, b_) < 0.99) {
     // Equation 1 falls from 0 to 1: there is one foot.
-    if (before <= 0) return place_at(p, 0);
-    if (after >= 0) return place_at(p, 1);
-    if (a_ == 0 && b_ == 0) return place_at(p, p.x);
+    if (before <= 0) return place_at(road, p, 0);
+    if (after >= 0) return place_at(road, p, 1);
+    if (a_ == 0 && b_ == 0) return place_at(road, p, p.x);
     const double start = std::clamp(
         Lib::road_u1(Lib::road_alpha(p.y, a_, b_), Lib::road_beta(p.y, a_, b_), Lib::road_gamma(p.x, p.y, a_)), 0.0,
         1.0);
-    return place_at(p, bracketed_root(0, 1, start, false, kEnough, [&](double u) {
+    return place_at(road, p, bracketed_root(0, 1, start, false, kEnough, [&](double u) {
                       const double d = p.y - Lib::road_f(u, a_, b_), df = Lib::road_df(u, a_, b_);
                       return Value{p.x - u + d * df, d * Lib::road_ddf(u, a_, b_) - df * df - 1};
                     }));
@@ -182,29 +184,41 @@ RoadPoint Footprint::locate(glm::dvec2 point_m) const {
   int count = all_feet(p.x, p.y, a_, b_, feet.data());
   if (before <= 0) feet[count++] = 0;
   if (after >= 0) feet[count++] = 1;
-  RoadPoint best = place_at(p, count > 0 ? feet[0] : 0);
+  RoadPoint best = place_at(road, p, count > 0 ? feet[0] : 0);
   for (int i = 1; i < count; ++i) {
-    const RoadPoint other = place_at(p, feet[i]);
+    const RoadPoint other = place_at(road, p, feet[i]);
     if (is_better(other, best)) best = other;
   }
   return best;
 }
 
+double Footprint::u_at(double s, double end) const {
+  const auto newton = [&](double u) { return (arc(u) - s) / arc_slope(u); };
+  const double start = s / end, once = start - newton(start), step = newton(once), twice = once - step;
+  if (std::abs(step) < kEnough && twice >= 0 && twice <= 1) return twice;
+  return u_at_bend(s, start);
+}
+
+// Bends so tight that two steps are too few.
+double Footprint::u_at_bend(double s, double start) const {
+  return bracketed_root(0, 1, start, true, kEnough, [&](double u) { return Value{arc(u) - s, arc_slope(u)}; });
+}
+
 RoadPose Footprint::pose(const Road& road, double local_s_m, double t_m) const {
-  if (!(flags_ & kFlatAcross)) return pose_in(road, *segment_, local_s_m, t_m);
-  const double end = arc(1), s = std::clamp(local_s_m, 0.0, end);
-  const double u = s == 0 || s == end ? s / end : bracketed_root(0, 1, s / end, true, kEnough, [&](double at) {
-    return Value{arc(at) - s, arc_slope(at)};
-  });
-  const double df = Lib::road_df(u, a_, b_), steep2 = 1 + df * df;
-  const glm::dvec2 chord = axis_ * (length_m_ * length_m_), aside(-chord.y, chord.x), along = chord + aside * df;
-  const double length = length_m_ * std::sqrt(steep2);
+  if (!(flags_ & kFlatAcross)) return pose_in(road, segment(road), local_s_m, t_m);
+  const double end = arc(1), s = std::clamp(local_s_m, 0.0, end), u = u_at(s, end);
+  const double df = Lib::road_df(u, a_, b_), steep2 = 1 + df * df, length2 = 1 / glm::dot(axis_, axis_);
+  const glm::dvec2 chord = axis_ * length2, aside(-chord.y, chord.x), along = chord + aside * df;
+  const double length = std::sqrt(length2 * steep2);
   const glm::dvec2 tangent = along / length, left(-tangent.y, tangent.x);
   RoadPose pose;
-  pose.heading_rad = std::atan2(along.y, along.x);
+  constexpr double kPi = std::numbers::pi;
+  const double heading = heading_rad_ + std::atan(df);
+  pose.heading_rad = heading > kPi ? heading - 2 * kPi : heading <= -kPi ? heading + 2 * kPi : heading;
   pose.curvature_per_m = Lib::road_ddf(u, a_, b_) / (steep2 * length);
-  pose.position_m =
-      glm::dvec3(start_m_ + chord * u + aside * Lib::road_f(u, a_, b_) + left * t_m, elevation_m_.value(s));
+  pose.position_m = glm::dvec3(start_m_ + chord * u + aside * Lib::road_f(u, a_, b_) + left * t_m, elevation_m_.c0);
+  if (flags_ & kLevelAlong) return pose;
+  pose.position_m.z = elevation_m_.value(s);
   const double slope = elevation_m_.slope(s);
   if (slope != 0) lean(pose, tangent, tangent * grade_at(slope, t_m, pose.curvature_per_m));
   return pose;
@@ -214,18 +228,18 @@ double Footprint::ground_m(const Road& road, const RoadPoint& place) const {
   const double local_s = place.s_m - s_start_m_;
   if (flags_ & kFlatAcross) return elevation_m_.value(local_s);
   const double t = place.outside_m == 0 ? place.t_m
-                                        : std::max(std::min(place.t_m, segment_->left_m.value(local_s)),
-                                                   segment_->right_m.value(local_s));
-  return surface_height_m(road, *segment_, local_s, t);
+                                        : std::max(std::min(place.t_m, segment(road).left_m.value(local_s)),
+                                                   segment(road).right_m.value(local_s));
+  return surface_height_m(road, segment(road), local_s, t);
 }
 
-Box Footprint::bounds() const {
-  Bounds b = roadgen::bounds(*segment_);
+Box Footprint::bounds(const Road& road) const {
+  Bounds b = roadgen::bounds(segment(road));
   if (flags_ & kFolded) {
     // The fitted quad's ends need not hold cross sections that cross: a margin of the width all around the curve.
-    const double width = segment_->max_half_width_m() / length_m_;
+    const double width = segment(road).max_half_width_m() / length_m_;
     for (const double x : {-width, 1 + width}) {
-      for (const float y : {y_low_, y_high_}) b.add(glm::dvec3(from_chord(*segment_, {x, y}), b.low_m.z));
+      for (const float y : {y_low_, y_high_}) b.add(glm::dvec3(from_chord(segment(road), {x, y}), b.low_m.z));
     }
   }
   const Cubic::Range lanes = lane_height_range_m(*section_);

@@ -45,7 +45,7 @@ struct RoadPoint {
 inline constexpr double kTouch_m = 1e-8;
 
 // What a query reads of a segment, together in memory; the segment itself is read where something is out of the
-// ordinary. Requires: road and segment stay where they are.
+// ordinary. Requires: road and segment stay where they are, and every function gets the same road.
 class alignas(64) Footprint {
  public:
   // area: index of the junction whose area the road leads through, or -1.
@@ -54,7 +54,7 @@ class alignas(64) Footprint {
   // How the point stands against the segment, however far away: of all places of the segment whose cross section
   // goes through the point the one on the carriageway with the smallest |t|, else the one nearest to the carriageway.
   // Without height and lane. Accuracy: 1e-12 of the chord and the rounding of coordinates. Cost: O(1).
-  RoadPoint locate(glm::dvec2 point_m) const;
+  RoadPoint locate(const Road& road, glm::dvec2 point_m) const;
 
   // pose_in of this segment, to 1e-12 of its chord; local_s_m from its start, clamped to it.
   RoadPose pose(const Road& road, double local_s_m, double t_m) const;
@@ -68,20 +68,22 @@ class alignas(64) Footprint {
   int beyond(glm::dvec2 point_m) const;
 
   // Of the carriageway and the surface on it.
-  Box bounds() const;
+  Box bounds(const Road& road) const;
 
   SegmentRef at() const { return at_; }
   std::int32_t area() const { return area_; }
   const LaneSection& section() const { return *section_; }
-  const Segment& segment() const { return *segment_; }
   double s_start_m() const { return s_start_m_; }
+  // What pose reads on level ground. s_start_m is on the second of the two.
+  static constexpr std::size_t kPoseBytes = 128;
 
  private:
   enum Flags : std::uint32_t {
     kConstantEdges = 1,  // left_m_ and right_m_ are the edges
     kLevelAcross = 2,    // no superelevation
     kFlatAcross = 4,     // nor crossfall, nor raised lanes: elevation_m_ is the height
-    kFolded = 8          // cross sections may meet on the carriageway: a bend tighter than the road is wide
+    kLevelAlong = 8,     // elevation_m_ is constant
+    kFolded = 16         // cross sections may meet on the carriageway: a bend tighter than the road is wide
   };
   struct Local {
     double x, y;
@@ -90,12 +92,16 @@ class alignas(64) Footprint {
     const double dx = point_m.x - start_m_.x, dy = point_m.y - start_m_.y;
     return {axis_.x * dx + axis_.y * dy, axis_.x * dy - axis_.y * dx};
   }
-  RoadPoint place_at(Local p, double u) const;
+  const Segment& segment(const Road& road) const { return road.segments[at_.segment]; }
+  RoadPoint place_at(const Road& road, Local p, double u) const;
   // Arc length in metres at u, and its slope.
   double arc(double u) const { return u * (arc_[0] + u * (arc_[1] + u * (arc_[2] + u * (arc_[3] + u * arc_[4])))); }
   double arc_slope(double u) const {
     return arc_[0] + u * (2 * arc_[1] + u * (3 * arc_[2] + u * (4 * arc_[3] + u * 5 * arc_[4])));
   }
+  // The inverse of arc, for s in [0, end], end = arc(1); the last step was below 1e-7, the next would be its square.
+  double u_at(double s, double end) const;
+  double u_at_bend(double s, double start) const;
 
   // For may_hold.
   glm::dvec2 start_m_;
@@ -104,16 +110,17 @@ class alignas(64) Footprint {
   float y_low_, y_high_;  // of the carriageway in the chord frame, rounded outward
   std::int32_t area_;
   std::uint32_t flags_ = 0;
+  // For the pose.
+  double s_start_m_;
+  double arc_[5];       // L road_arc in powers of u, from the first
+  double heading_rad_;  // of the chord
+  Cubic elevation_m_;   // its higher coefficients on the third cache line
   // For the place.
   double length_m_;  // L
-  double s_start_m_;
-  double arc_[5];  // L road_arc in powers of u, from the first
   double left_m_, right_m_;
   SegmentRef at_;
-  Cubic elevation_m_;
-  const Segment* segment_;
   const LaneSection* section_;
 };
-static_assert(sizeof(Footprint) == 192);  // three cache lines, of which may_hold reads the first
+static_assert(sizeof(Footprint) == 192);  // three cache lines: may_hold reads the first, pose on level ground two
 
 }  // namespace roadgen

@@ -76,36 +76,62 @@ RoadIndex::RoadIndex(const Network& network) : network_(&network) {
   through_.resize(areas_.size());
   const std::size_t count = network.segment_count();
   footprints_.reserve(count);
-  buckets_.reserve(count);
   boxes.reserve(count + areas_.size());
+  std::size_t groups = 0;
+  for (const Road& road : network.roads) {
+    groups += (road.segments.size() + BucketGroup::kBuckets - 1) / BucketGroup::kBuckets;
+  }
+  groups_.reserve(groups);
+  courses_.reserve(network.roads.size());
   for (std::uint32_t r = 0; r < network.roads.size(); ++r) {
     const Road& road = network.roads[r];
     const auto found = road.junction.empty() ? area_of.end() : area_of.find(road.junction);
     const std::int32_t area = found == area_of.end() ? -1 : found->second;
     const std::size_t n = road.segments.size();
     const auto first = static_cast<Item>(footprints_.size());
-    first_.push_back(first);
-    buckets_per_m_.push_back(n > 0 ? static_cast<double>(n) / road.length_m() : 0);
+    add_course(road);
     for (std::uint32_t i = 0; i < n; ++i) {
       footprints_.emplace_back(road, road.segments[i], SegmentRef{r, i}, area);
-      boxes.push_back(footprints_.back().bounds());
+      boxes.push_back(footprints_.back().bounds(road));
       if (area >= 0) {
         through_[static_cast<std::size_t>(area)].push_back(first + i);
         const JunctionSurface& surface = areas_[static_cast<std::size_t>(area)].surface();
         boxes.back().low_m.z = std::min(boxes.back().low_m.z, surface.center_m.z + surface.low_m.z);
         boxes.back().high_m.z = std::max(boxes.back().high_m.z, surface.center_m.z + surface.high_m.z);
       }
-      buckets_.push_back(static_cast<std::uint32_t>(
-          segment_at(road, road.length_m() * (static_cast<double>(i) / static_cast<double>(n)))));
     }
   }
-  first_.push_back(static_cast<Item>(footprints_.size()));
   for (const Area& area : areas_) {
     const JunctionSurface& surface = area.surface();
     boxes.push_back({surface.center_m + surface.low_m, surface.center_m + surface.high_m});
   }
   tree_ = BoxTree(boxes);
   add_overlaps(boxes);
+}
+
+// A start of a segment that lies in an earlier bucket than s is before s, and one in a later bucket is beyond: the order of
+// buckets is that of s, however they are rounded.
+void RoadIndex::add_course(const Road& road) {
+  const auto n = static_cast<std::uint32_t>(road.segments.size());
+  const double length = road.length_m();
+  const Course course{length,
+                      n > 0 ? n / length : 0,
+                      static_cast<Item>(footprints_.size()),
+                      n,
+                      static_cast<std::uint32_t>(groups_.size()),
+                      road.closed};
+  courses_.push_back(course);
+  std::uint32_t low = 0;
+  for (std::uint32_t bucket = 0; bucket < n; ++bucket) {
+    std::uint32_t high = low;
+    while (high + 1 < n && course.bucket(road.segments[high + 1].s_start_m) <= bucket) ++high;
+    const std::uint32_t place = bucket % BucketGroup::kBuckets;
+    if (place == 0) groups_.push_back({.low = low});
+    const std::uint32_t more = std::min(low - groups_.back().low, BucketGroup::kMost);
+    const bool plain = groups_.back().low + more == low && high - low <= 1;
+    groups_.back().code[place] = static_cast<std::uint8_t>(2 * more + (plain ? 0 : 1));
+    low = high;
+  }
 }
 
 void RoadIndex::add_overlaps(const std::vector<Box>& boxes) {
@@ -124,8 +150,8 @@ void RoadIndex::add_overlaps(const std::vector<Box>& boxes) {
 }
 
 std::size_t RoadIndex::bytes() const {
-  return footprints_.capacity() * sizeof(Footprint) + tree_.bytes() +
-         4 * (first_.capacity() + buckets_.capacity() + overlap_first_.capacity() + overlaps_.capacity());
+  return footprints_.capacity() * sizeof(Footprint) + tree_.bytes() + courses_.capacity() * sizeof(Course) +
+         groups_.capacity() * sizeof(BucketGroup) + 4 * (overlap_first_.capacity() + overlaps_.capacity());
 }
 
 // ---- World to road ----
@@ -150,44 +176,44 @@ void RoadIndex::consider(Item item, Search& search) const {
     if (!footprint.may_hold(flat, by_distance ? search.order.distance_m : kInfinity)) return;
   }
   const RoadPoint place = place_on(footprint, search, must_hold ? 0 : search.reach_m);
-  if (place.has_road()) search.take(order_of(place), place);
+  if (place.has_road()) search.take(order_of(place, item), place);
 }
 
 // The place on a road, with height; without a road where it is farther than reach_m.
 RoadPoint RoadIndex::place_on(const Footprint& footprint, Search& search, double reach_m) const {
+  const Road& road = network_->roads[footprint.at().road];
   prefetch(&footprint.section(), sizeof(LaneSection));  // for name_lane
-  RoadPoint place = footprint.locate(glm::dvec2(search.point_m));
+  RoadPoint place = footprint.locate(road, glm::dvec2(search.point_m));
   if (place.outside_m > reach_m) return {};
   if (footprint.area() >= 0 && place.outside_m == 0 && search.is_inside(areas_, footprint.area())) {
     place.junction = footprint.area();
     if (search.limits.heights) place.height_m = search.point_m.z - search.area_z_m;
   } else if (search.limits.heights) {
-    place.height_m = search.point_m.z - footprint.ground_m(network_->roads[place.at.road], place);
+    place.height_m = search.point_m.z - footprint.ground_m(road, place);
   }
   return place;
 }
 
-RoadIndex::Order RoadIndex::order_of(const RoadPoint& place) const {
-  const Item item = first_[place.at.road] + place.at.segment;
+RoadIndex::Order RoadIndex::order_of(const RoadPoint& place, Item item) const {
   return {height_cost_m(place.height_m) + beside_cost_m(place.outside_m), kind_of(footprints_[item]), place.distance_m,
           item};
 }
 
-void RoadIndex::name_lane(RoadPoint& place) const {
-  const LaneSection& section = footprints_[first_[place.at.road] + place.at.segment].section();
+void RoadIndex::name_lane(RoadPoint& place, Item item) const {
+  const LaneSection& section = footprints_[item].section();
   place.lane = lane_at(section, place.s_m - section.s_m, place.t_m);
 }
 
 // True where the answer is found: the segment about the hint holds the point, and is so near in height that only others
 // that hold it too can be better. These overlap it.
 bool RoadIndex::find_from(const RoadHint& hint, Search& search) const {
-  if (hint.at.road >= network_->roads.size() || hint.at.segment >= segments_of(hint.at.road)) return false;
-  const Road& road = network_->roads[hint.at.road];
-  const Item first = first_[hint.at.road], count = segments_of(hint.at.road);
+  if (hint.at.road >= courses_.size() || hint.at.segment >= courses_[hint.at.road].count) return false;
+  const Course& course = courses_[hint.at.road];
+  const Item first = course.first, count = course.count;
   Item segment = hint.at.segment;
   const int way = footprints_[first + segment].beyond(glm::dvec2(search.point_m));
   for (int step = 0, now = way; now != 0 && now == way; ++step) {
-    if (step == kHintSteps || (!road.closed && segment == (way < 0 ? 0 : count - 1))) return false;
+    if (step == kHintSteps || (!course.closed && segment == (way < 0 ? 0 : count - 1))) return false;
     segment = way < 0 ? (segment == 0 ? count : segment) - 1 : (segment + 1 == count ? 0 : segment + 1);
     now = footprints_[first + segment].beyond(glm::dvec2(search.point_m));
   }
@@ -205,7 +231,7 @@ std::optional<RoadPoint> RoadIndex::answer(Search& search) const {
   if (search.order.kind == kAreaAlone) {
     name_road_of_area(search);
   } else {
-    name_lane(search.best);
+    name_lane(search.best, search.order.item);
   }
   return search.best;
 }
@@ -284,7 +310,8 @@ void RoadIndex::name_road_of_area(Search& search) const {
   RoadPoint& best = search.best;
   double outside = kInfinity, distance = kInfinity;
   for (const Item item : through_[static_cast<std::size_t>(best.junction)]) {
-    const RoadPoint place = footprints_[item].locate(glm::dvec2(search.point_m));
+    const Footprint& footprint = footprints_[item];
+    const RoadPoint place = footprint.locate(network_->roads[footprint.at().road], glm::dvec2(search.point_m));
     if (place.outside_m > outside || (place.outside_m == outside && place.distance_m >= distance)) continue;
     outside = place.outside_m;
     distance = place.distance_m;
@@ -320,10 +347,11 @@ void RoadIndex::to_road(std::span<const glm::dvec3> points_m, double reach_m, st
 
 // False where a neighbour along the road is nearer to the point, and at a joint for one of the two.
 bool RoadIndex::is_nearest_place(const RoadPoint& place, glm::dvec2 point_m) const {
-  const Item first = first_[place.at.road], count = segments_of(place.at.road);
+  const Course& course = courses_[place.at.road];
+  const Item first = course.first, count = course.count;
+  const bool closed = course.closed;
   const Footprint& footprint = footprints_[first + place.at.segment];
-  const bool closed = network_->roads[place.at.road].closed;
-  const double from_end_m = (1 - place.u) * footprint.segment().arc_m;
+  const double from_end_m = (1 - place.u) * segment(place.at).arc_m;
   if (place.u == 0 && footprint.beyond(point_m) < 0) return place.at.segment == 0 && !closed;
   if (from_end_m > 2 * kTouch_m) return true;
   // At the end: it is the next segment's place, but where the point lies between the two, outside a bent joint.
@@ -341,15 +369,15 @@ std::size_t RoadIndex::list(glm::dvec3 point_m, bool heights, double reach_m, st
     if (!place.has_road() || !is_nearest_place(place, glm::dvec2(point_m))) return;
     // Sorted in; what does not fit falls out at the end.
     std::size_t held = std::min(count++, found.size());
-    const Order order = order_of(place);
+    const Order order = order_of(place, item);
     std::size_t i = held;
-    while (i > 0 && order < order_of(found[i - 1])) --i;
+    while (i > 0 && order < order_of(found[i - 1], item_of(found[i - 1].at))) --i;
     if (i == found.size()) return;
     held = std::min(held, found.size() - 1);
     std::move_backward(found.begin() + i, found.begin() + held, found.begin() + held + 1);
     found[i] = place;
   });
-  for (RoadPoint& place : found.first(std::min(count, found.size()))) name_lane(place);
+  for (RoadPoint& place : found.first(std::min(count, found.size()))) name_lane(place, item_of(place.at));
   return count;
 }
 
@@ -369,29 +397,33 @@ std::vector<SegmentRef> RoadIndex::within(glm::dvec2 point_m, double reach_m) co
 
 // ---- Road to world ----
 
-std::size_t RoadIndex::bucket_of(std::uint32_t road, double s_m) const {
-  const std::size_t count = segments_of(road);
-  const double part = s_m * buckets_per_m_[road];
-  return part > 0 ? std::min(static_cast<std::size_t>(part), count - 1) : 0;
+std::uint32_t RoadIndex::Course::bucket(double s_m) const {
+  const double part = s_m * buckets_per_m;
+  return part > 0 ? static_cast<std::uint32_t>(std::min(part, count - 1.0)) : 0;
 }
 
-// As segment_at, for s that is wrapped.
-std::size_t RoadIndex::segment_at_s(std::uint32_t road, double s_m) const {
-  const Footprint* footprints = &footprints_[first_[road]];
-  const std::size_t count = segments_of(road), bucket = bucket_of(road, s_m);
-  std::size_t low = buckets_[first_[road] + bucket];
-  while (low > 0 && footprints[low].s_start_m() > s_m) --low;  // by rounding of the bucket
-  // Two buckets on, where rounding cannot matter.
-  std::size_t high = bucket + 2 < count ? buckets_[first_[road] + bucket + 2] : count - 1;
-  while (low < high) {
-    const std::size_t middle = high - low > 3 ? high - (high - low) / 2 : low + 1;
-    if (footprints[middle].s_start_m() > s_m) {
-      high = middle - 1;
-    } else {
-      low = middle;
-    }
-  }
-  return low;
+double RoadIndex::Course::wrapped(double s_m) const {
+  return closed ? s_m - std::floor(s_m / length_m) * length_m : s_m;
+}
+
+// Where the segment of s is, which is wrapped: one or two in most roads, whose memory is asked for.
+RoadIndex::Stretch RoadIndex::stretch_at(const Course& course, double s_m) const {
+  const std::uint32_t bucket = course.bucket(s_m);
+  const BucketGroup& group = groups_[course.first_group + bucket / BucketGroup::kBuckets];
+  const std::uint32_t code = group.code[bucket % BucketGroup::kBuckets];
+  const Item low = course.first + group.low + code / 2, last = course.first + course.count - 1;
+  prefetch(&footprints_[low], Footprint::kPoseBytes);
+  prefetch(&footprints_[low] + 1, Footprint::kPoseBytes);
+  return {low, code % 2 == 0 ? std::min(low + 1, last) : last};
+}
+
+// As segment_at.
+RoadIndex::Item RoadIndex::item_in(Stretch stretch, double s_m) const {
+  const auto [low, high] = stretch;
+  if (high - low <= 1) return low + (high - low) * (footprints_[high].s_start_m() <= s_m ? 1 : 0);
+  const auto after = std::upper_bound(footprints_.begin() + low + 1, footprints_.begin() + high + 1, s_m,
+                                      [](double s, const Footprint& f) { return s < f.s_start_m(); });
+  return static_cast<Item>(after - footprints_.begin()) - 1;
 }
 
 void RoadIndex::stand_on_area(const Area& area, glm::dvec2 point_m, glm::dvec2 tangent, RoadPose& pose) const {
@@ -400,14 +432,8 @@ void RoadIndex::stand_on_area(const Area& area, glm::dvec2 point_m, glm::dvec2 t
   lean(pose, tangent, ground.gradient);
 }
 
-double RoadIndex::wrapped_s_m(const RoadPlace& place) const {
-  const Road& road = network_->roads[place.road];
-  if (!road.closed) return place.s_m;
-  return place.s_m - std::floor(place.s_m / road.length_m()) * road.length_m();
-}
-
-RoadPose RoadIndex::pose_on(const RoadPlace& place, double s_m, std::size_t segment) const {
-  const Footprint& footprint = footprints_[first_[place.road] + segment];
+RoadPose RoadIndex::pose_on(const RoadPlace& place, double s_m, Item item) const {
+  const Footprint& footprint = footprints_[item];
   RoadPose pose = footprint.pose(network_->roads[place.road], s_m - footprint.s_start_m(), place.t_m);
   if (footprint.area() < 0) return pose;
   const Area& ground = areas_[static_cast<std::size_t>(footprint.area())];
@@ -419,38 +445,33 @@ RoadPose RoadIndex::pose_on(const RoadPlace& place, double s_m, std::size_t segm
 }
 
 RoadPose RoadIndex::to_world(const RoadPlace& place) const {
-  const double s = wrapped_s_m(place);
-  return pose_on(place, s, segment_at_s(place.road, s));
+  const Course& course = courses_[place.road];
+  const double s = course.wrapped(place.s_m);
+  return pose_on(place, s, item_in(stretch_at(course, s), s));
 }
 
-// Three steps of a block at a time: memory is asked for a step before it is read.
+// A block at a time: memory is asked for long before it is read.
 void RoadIndex::to_world(std::span<const RoadPlace> places, std::span<RoadPose> poses) const {
   assert(places.size() == poses.size());
   constexpr std::size_t kBlock = 32;
   std::array<double, kBlock> s;
-  std::array<std::size_t, kBlock> segment;
+  std::array<Stretch, kBlock> stretch;
   for (std::size_t begin = 0; begin < places.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, places.size() - begin);
     for (std::size_t i = 0; i < count; ++i) {
-      const RoadPlace& place = places[begin + i];
-      s[i] = wrapped_s_m(place);
-      segment[i] = bucket_of(place.road, s[i]);
-      prefetch(&buckets_[first_[place.road] + segment[i]], 1);
-      prefetch(&footprints_[first_[place.road] + segment[i]], sizeof(Footprint));
+      const Course& course = courses_[places[begin + i].road];
+      s[i] = course.wrapped(places[begin + i].s_m);
+      stretch[i] = stretch_at(course, s[i]);
     }
-    for (std::size_t i = 0; i < count; ++i) {
-      const RoadPlace& place = places[begin + i];
-      segment[i] = segment_at_s(place.road, s[i]);
-      prefetch(&footprints_[first_[place.road] + segment[i]], sizeof(Footprint));
-    }
-    for (std::size_t i = 0; i < count; ++i) poses[begin + i] = pose_on(places[begin + i], s[i], segment[i]);
+    for (std::size_t i = 0; i < count; ++i)
+      poses[begin + i] = pose_on(places[begin + i], s[i], item_in(stretch[i], s[i]));
   }
 }
 
 RoadPose RoadIndex::pose(const RoadPoint& place, glm::dvec2 point_m) const {
   RoadPose pose;
   if (place.has_road()) {
-    const Footprint& footprint = footprints_[first_[place.at.road] + place.at.segment];
+    const Footprint& footprint = footprints_[item_of(place.at)];
     pose = footprint.pose(network_->roads[place.at.road], place.s_m - footprint.s_start_m(), place.t_m);
   }
   if (place.junction >= 0) {

@@ -108,11 +108,35 @@ class RoadIndex {
   struct Search;
 
   static Box box_about(glm::dvec3 p) { return {p, p}; }
-  std::uint32_t segments_of(std::uint32_t road) const { return first_[road + 1] - first_[road]; }
-  std::size_t bucket_of(std::uint32_t road, double s_m) const;
-  std::size_t segment_at_s(std::uint32_t road, double s_m) const;
-  double wrapped_s_m(const RoadPlace& place) const;
-  RoadPose pose_on(const RoadPlace& place, double s_m, std::size_t segment) const;
+  // What a query reads of a road.
+  struct Course {
+    double length_m;
+    double buckets_per_m;  // as many buckets as segments, of equal length
+    Item first;            // of its segments
+    std::uint32_t count;
+    std::uint32_t first_group;
+    bool closed;
+    std::uint32_t bucket(double s_m) const;
+    double wrapped(double s_m) const;
+  };
+  // For a dozen buckets the last segment that starts in a bucket before (or the first), in so few bytes that those of a
+  // million segments stay in a processor's cache.
+  struct BucketGroup {
+    static constexpr std::uint32_t kBuckets = 12;
+    static constexpr std::uint32_t kMost = 127;
+    std::uint32_t low;                 // of the first of them, on the road
+    std::uint8_t code[kBuckets] = {};  // 2 min(segment - low, kMost), and 1 where that is less or several start in it
+  };
+
+  void add_course(const Road& road);
+  Item item_of(SegmentRef ref) const { return courses_[ref.road].first + ref.segment; }
+  // Items of one road, of which one is asked for.
+  struct Stretch {
+    Item low, high;
+  };
+  Stretch stretch_at(const Course& course, double s_m) const;
+  Item item_in(Stretch stretch, double s_m) const;
+  RoadPose pose_on(const RoadPlace& place, double s_m, Item item) const;
   void stand_on_area(const Area& area, glm::dvec2 point_m, glm::dvec2 tangent, RoadPose& pose) const;
   void add_overlaps(const std::vector<Box>& boxes);
 
@@ -124,17 +148,16 @@ class RoadIndex {
   bool find_from(const RoadHint& hint, Search& search) const;
   void consider(Item item, Search& search) const;
   RoadPoint place_on(const Footprint& footprint, Search& search, double reach_m) const;
-  Order order_of(const RoadPoint& place) const;
-  void name_lane(RoadPoint& place) const;
+  Order order_of(const RoadPoint& place, Item item) const;
+  void name_lane(RoadPoint& place, Item item) const;
   void name_road_of_area(Search& search) const;
   bool is_nearest_place(const RoadPoint& place, glm::dvec2 point_m) const;
   std::size_t list(glm::dvec3 point_m, bool heights, double reach_m, std::span<RoadPoint> found) const;
 
   const Network* network_;
   LargeVector<Footprint> footprints_;
-  std::vector<Item> first_;             // of each road's segments; one more than roads
-  std::vector<double> buckets_per_m_;   // of each road
-  LargeVector<std::uint32_t> buckets_;  // [first_[road] + k]: the segment at s = k / segments of the road's length
+  std::vector<Course> courses_;  // of each road
+  LargeVector<BucketGroup> groups_;
   std::vector<Area> areas_;
   std::vector<std::vector<Item>> through_;  // each area: segments of the roads that lead through
   BoxTree tree_;
@@ -147,7 +170,7 @@ template <class Visit>
 void RoadIndex::visit_within(glm::dvec2 point_m, double reach_m, Visit&& visit) const {
   tree_.search(box_about(glm::dvec3(point_m, 0)), {.reach_m = reach_m}, [&](Item item) {
     if (item < footprints_.size() && footprints_[item].area() < 0) {
-      visit(footprints_[item].at(), footprints_[item].segment());
+      visit(footprints_[item].at(), segment(footprints_[item].at()));
     }
   });
 }

@@ -39,10 +39,34 @@ glm::vec3 direction(double azimuth_deg, double elevation_deg) {
                     std::sin(elevation));
 }
 
+// The layout that shaders/terrain.frag declares.
+struct HollowInstance {
+  glm::vec4 start, shape, arc, axis, place, box, vault;
+};
+static_assert(sizeof(HollowInstance) == 112);
+
+HollowInstance instance(const Hollow& hollow, glm::dvec3 origin_m) {
+  const Lib::SweepPiece& p = hollow.piece;
+  const Lib::SweepPath& r = p.path;
+  return {glm::dvec4(hollow.start_m - origin_m, 0),
+          glm::dvec4(hollow.segment.chord_m(), r.a, r.b),
+          glm::dvec4(r.arc, r.c0, r.c1, p.profile.p4),
+          glm::dvec4(r.z0, r.z1, r.z2, r.z3),
+          glm::dvec4(r.n0, r.n1, p.u0, p.u1),
+          glm::dvec4(p.y0, p.y1, p.z0, p.z1),
+          glm::dvec4(p.profile.p0, p.profile.p1, p.profile.p2, 0)};
+}
+
 struct GroundBatch {
   gl::VertexArray vertex_array;
-  gl::Buffer positions, normals, triangles;
-  GLsizei indices = 0;
+  gl::Buffer positions, normals, triangles, hollows;
+  GLsizei indices = 0;  // of the triangles that meet no tunnel
+  struct Cut {
+    GLsizei count;
+    std::size_t first;
+    GLuint hollow_first, hollow_count;
+  };
+  std::vector<Cut> cuts;
   glm::dvec3 origin_m{0, 0, 0};
   glm::vec3 center_m{0, 0, 0};  // of the bounding sphere, from the origin
   float radius_m = 0;
@@ -54,7 +78,7 @@ struct GroundBatch {
     for (const glm::vec3& p : mesh.positions_m) low = glm::min(low, p), high = glm::max(high, p);
     center_m = 0.5f * (low + high);
     radius_m = 0.5f * glm::length(high - low);
-    indices = static_cast<GLsizei>(mesh.triangles.size());
+    indices = static_cast<GLsizei>(mesh.whole());
     if (mesh.triangles.empty()) return;
     const auto buffer = [](const auto& data) {
       return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(data[0])), data.data());
@@ -62,6 +86,13 @@ struct GroundBatch {
     positions = buffer(mesh.positions_m);
     normals = buffer(mesh.normals);
     triangles = buffer(mesh.triangles);
+    std::vector<HollowInstance> met;
+    for (const TerrainMesh::Cut& cut : mesh.cuts) {
+      cuts.push_back({static_cast<GLsizei>(cut.count), cut.first, static_cast<GLuint>(met.size()),
+                      static_cast<GLuint>(cut.hollows.size())});
+      for (const std::uint32_t i : cut.hollows) met.push_back(instance(mesh.hollows[i], origin_m));
+    }
+    if (!met.empty()) hollows = buffer(met);
     glVertexArrayElementBuffer(vertex_array.id(), triangles.id());
     for (GLuint i = 0; i < 2; ++i) {
       glVertexArrayVertexBuffer(vertex_array.id(), i, (i == 0 ? positions : normals).id(), 0, sizeof(glm::vec3));
@@ -74,7 +105,7 @@ struct GroundBatch {
 
 // The programs of one kind of output.
 struct Programs {
-  Program ground;
+  Program ground, ground_at_tunnels;
   std::array<Program, kRoadKinds> roads;
   Program junction, sky, sweep;
 };
@@ -84,6 +115,10 @@ Result<Programs> compile(const ShaderDefines& defines) {
   with_relief.push_back({"RELIEF", ""});
   auto ground = Program::graphics("terrain.vert", "terrain.frag", defines);
   if (!ground) return ground.error();
+  ShaderDefines with_hollows = defines;
+  with_hollows.push_back({"HOLLOWS", ""});
+  auto ground_at_tunnels = Program::graphics("terrain.vert", "terrain.frag", with_hollows);
+  if (!ground_at_tunnels) return ground_at_tunnels.error();
   auto planar = Program::graphics("road.vert", "road.frag", defines);
   if (!planar) return planar.error();
   auto relief = Program::graphics("road.vert", "road.frag", with_relief);
@@ -98,6 +133,7 @@ Result<Programs> compile(const ShaderDefines& defines) {
   auto sweep = Program::graphics("sweep.vert", "sweep.frag", defines);
   if (!sweep) return sweep.error();
   return Programs{std::move(*ground),
+                  std::move(*ground_at_tunnels),
                   {std::move(*planar), std::move(*relief), std::move(*detailed)},
                   std::move(*junction),
                   std::move(*sky),
@@ -152,6 +188,7 @@ struct Renderer::State {
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
+  void draw_ground(const Programs& programs, const Camera& camera, const Frustum& frustum);
   void draw_scene(const Programs& programs, const Camera& camera, int width, int height, double least_contribution);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   void show_ground_to_roads();
@@ -179,6 +216,30 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
 }
 
+void Renderer::State::draw_ground(const Programs& programs, const Camera& camera, const Frustum& frustum) {
+  for (const bool at_tunnels : {false, true}) {
+    const Program& program = at_tunnels ? programs.ground_at_tunnels : programs.ground;
+    program.use();
+    for (const GroundBatch& batch : ground) {
+      if (at_tunnels ? batch.cuts.empty() : batch.indices == 0) continue;
+      const glm::dvec3 tile = batch.origin_m - camera.position_m;
+      if (!frustum.may_see(tile + glm::dvec3(batch.center_m), batch.radius_m)) continue;
+      glUniform3f(0, static_cast<float>(tile.x), static_cast<float>(tile.y), static_cast<float>(tile.z));
+      glBindVertexArray(batch.vertex_array.id());
+      if (!at_tunnels) {
+        glDrawElements(GL_TRIANGLES, batch.indices, GL_UNSIGNED_INT, nullptr);
+        continue;
+      }
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, batch.hollows.id());
+      for (const GroundBatch::Cut& cut : batch.cuts) {
+        glUniform2ui(1, cut.hollow_first, cut.hollow_count);
+        glDrawElements(GL_TRIANGLES, cut.count, GL_UNSIGNED_INT,
+                       reinterpret_cast<const void*>(cut.first * sizeof(std::uint32_t)));
+      }
+    }
+  }
+}
+
 void Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height,
                                  double least_contribution) {
   upload_frame(camera, width, height);
@@ -190,14 +251,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   glDisable(GL_CULL_FACE);
 
   const Frustum frustum(camera, static_cast<double>(width) / height);
-  if (!ground.empty()) programs.ground.use();
-  for (const GroundBatch& batch : ground) {
-    const glm::dvec3 tile = batch.origin_m - camera.position_m;
-    if (!frustum.may_see(tile + glm::dvec3(batch.center_m), batch.radius_m)) continue;
-    glUniform3f(0, static_cast<float>(tile.x), static_cast<float>(tile.y), static_cast<float>(tile.z));
-    glBindVertexArray(batch.vertex_array.id());
-    glDrawElements(GL_TRIANGLES, batch.indices, GL_UNSIGNED_INT, nullptr);
-  }
+  draw_ground(programs, camera, frustum);
   if (&programs == &picture) show_ground_to_roads();
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);

@@ -273,7 +273,7 @@ bool is_finite(const Road& road) {
   const auto finite = [](const auto& x) { return is_finite(x); };
   return std::all_of(road.segments.begin(), road.segments.end(), finite) &&
          std::all_of(road.sections.begin(), road.sections.end(), finite) &&
-         std::all_of(road.paint.begin(), road.paint.end(), finite);
+         std::all_of(road.paint.begin(), road.paint.end(), finite) && is_sound(*road.records);
 }
 
 OddValues odd_values(const Road& road) {
@@ -319,6 +319,15 @@ CheckReport check(const Network& network) {
     for (std::string& warning : odd.warnings) report.warnings.push_back(std::move(warning));
     for (const Sweep& sweep : road.sweeps) {
       for (std::string& problem : problems(road, sweep)) report.problems.push_back(std::move(problem));
+    }
+    if (!is_sound(*road.records)) {
+      report.problems.push_back("road " + road.id +
+                                ": an object, signal or speed has a number that is not finite, or a negative size");
+    }
+    for (const Bridge& bridge : road.bridges) {
+      if (!is_on(bridge, road)) {
+        report.problems.push_back(at(road, bridge.s_start_m, "a bridge has no length or reaches beyond the road"));
+      }
     }
     for (std::size_t i = 0; i + 1 < road.segments.size(); ++i) {
       check_joint(road, road.segments[i], road.segments[i + 1], report);

@@ -421,15 +421,16 @@ Lib::JunctionCorner surface_corner(const Segment& s, const JunctionArm& arm, con
   return h;
 }
 
-double local_distance(const JunctionSurface& surface, glm::dvec2 p) {
+double local_distance(const JunctionSurface& surface, glm::dvec2 p, double most_m = 1e6) {
   Lib::JunctionSide side = Lib::junction_side_begin();
+  side.corner = most_m;
   for (const auto& cut : surface.cuts) side = Lib::junction_side_add_cut(side, p.x, p.y, cut);
   for (const auto& corner : surface.corners) side = Lib::junction_side_add_corner(side, p.x, p.y, corner);
   return Lib::junction_distance(side);
 }
 
-// Fills low_m, high_m, plane and slope_spread from a grid of samples.
-void measure(const Junction& junction, JunctionSurface& surface) {
+// Fills x and y of low_m and high_m.
+void bound_outline(const Junction& junction, JunctionSurface& surface) {
   glm::dvec2 low(1e300), high(-1e300);
   const auto add = [&](glm::dvec2 p) {
     low = glm::min(low, p - glm::dvec2(surface.center_m));
@@ -443,6 +444,13 @@ void measure(const Junction& junction, JunctionSurface& surface) {
       for (const double x : {0.0, 1.0}) add(from_chord(s, {x, f.low})), add(from_chord(s, {x, f.high}));
     }
   }
+  surface.low_m = glm::dvec3(low, 0);
+  surface.high_m = glm::dvec3(high, 0);
+}
+
+// Fills z of low_m and high_m, plane, slope_spread and plane_gap_m from a grid of samples.
+void measure(JunctionSurface& surface) {
+  const glm::dvec2 low(surface.low_m), high(surface.high_m);
   constexpr int kSide = 40;
   const glm::dvec2 step = (high - low) / static_cast<double>(kSide);
   std::vector<Lib::JunctionHeight> samples;
@@ -535,6 +543,12 @@ std::vector<std::string> problems(const Junction& junction) {
 }
 
 JunctionSurface junction_surface(const Junction& junction) {
+  JunctionSurface surface = junction_pieces(junction);
+  measure(surface);
+  return surface;
+}
+
+JunctionSurface junction_pieces(const Junction& junction) {
   JunctionSurface surface;
   const std::size_t n = junction.arms.size();
   for (const JunctionArm& arm : junction.arms) {
@@ -555,12 +569,12 @@ JunctionSurface junction_surface(const Junction& junction) {
       start = end;
     }
   }
-  measure(junction, surface);
+  bound_outline(junction, surface);
   return surface;
 }
 
-double signed_distance_m(const JunctionSurface& surface, glm::dvec2 point_m) {
-  return local_distance(surface, point_m - glm::dvec2(surface.center_m));
+double signed_distance_m(const JunctionSurface& surface, glm::dvec2 point_m, double most_m) {
+  return local_distance(surface, point_m - glm::dvec2(surface.center_m), most_m);
 }
 
 bool is_inside(const JunctionSurface& surface, glm::dvec2 point_m) {

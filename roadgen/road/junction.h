@@ -93,10 +93,13 @@ struct JunctionSurface {
 
 // Requires: problems(junction) is empty. Cost: 1,600 evaluations of the height.
 JunctionSurface junction_surface(const Junction& junction);
+// The same without what sampling finds: z of the bounds, plane, slope_spread and plane_gap_m stay 0. Cost: O(pieces).
+JunctionSurface junction_pieces(const Junction& junction);
 
 // Signed distance of a point (ENU) to the boundary of the area, positive inside. The sign is exact up to rounding,
-// also where the area is not convex; the distance is exact to first order at the boundary.
-double signed_distance_m(const JunctionSurface& surface, glm::dvec2 point_m);
+// also where the area is not convex; the distance is exact to first order at the boundary. Distances beyond most_m come
+// as most_m: pieces farther away cost little.
+double signed_distance_m(const JunctionSurface& surface, glm::dvec2 point_m, double most_m = 1e6);
 
 // Whether the area holds a point (ENU): the sign of signed_distance_m, at a fraction of its cost.
 bool is_inside(const JunctionSurface& surface, glm::dvec2 point_m);

@@ -1,5 +1,8 @@
 #include "roadgen/road/link.h"
 
+#include <algorithm>
+#include <iterator>
+#include <map>
 #include <set>
 
 #include <glm/geometric.hpp>
@@ -27,8 +30,10 @@ glm::dvec3 end_m(const Road& road, bool at_end) {
 }
 
 // Why a link of a road's end is wrong; empty where it is not.
-std::string link_fault(const Network& network, const RoadsById& roads, const std::set<std::string_view>& junctions,
-                       const Road& road, bool at_end) {
+// junctions: their types.
+using JunctionTypes = std::map<std::string_view, JunctionType>;
+std::string link_fault(const Network& network, const RoadsById& roads, const JunctionTypes& junctions, const Road& road,
+                       bool at_end) {
   const RoadLink& link = link_of(road, at_end);
   if (link.to == RoadLink::To::kJunction) return junctions.contains(link.id) ? "" : "which does not exist";
   if (link.to == RoadLink::To::kNothing) return {};
@@ -38,16 +43,30 @@ std::string link_fault(const Network& network, const RoadsById& roads, const std
   const RoadLink& back = link_of(other, link.at_end);
   if (back.to == RoadLink::To::kRoad && back.id == road.id && back.at_end == at_end) return {};
   if (back.to == RoadLink::To::kJunction && !road.junction.empty() && back.id == road.junction) return {};
+  // A road that goes on into several is linked to the direct junction between, and they to it.
+  const auto between = back.to == RoadLink::To::kJunction ? junctions.find(back.id) : junctions.end();
+  if (between != junctions.end() && between->second == JunctionType::kDirect) return {};
   return "which is linked to " + (other.closed ? "itself" : described(back));
 }
 
+constexpr std::string_view kJunctionTypes[] = {"default", "virtual", "direct", "crossing"};
+
 }  // namespace
+
+std::string_view junction_type_name(JunctionType type) { return kJunctionTypes[static_cast<std::size_t>(type)]; }
+
+std::optional<JunctionType> junction_type(std::string_view name) {
+  if (name == "common") return JunctionType::kDefault;
+  const auto found = std::find(std::begin(kJunctionTypes), std::end(kJunctionTypes), name);
+  if (found == std::end(kJunctionTypes)) return {};
+  return static_cast<JunctionType>(found - std::begin(kJunctionTypes));
+}
 
 std::vector<std::string> link_problems(const Network& network) {
   const RoadsById roads = roads_by_id(network);
-  std::set<std::string_view> junctions;
-  for (const Junction& junction : network.junctions) junctions.insert(junction.id);
-  for (const JunctionLinks& junction : network.junction_links) junctions.insert(junction.id);
+  JunctionTypes junctions;
+  for (const JunctionLinks& junction : network.junction_links) junctions.emplace(junction.id, junction.type);
+  for (const Junction& junction : network.junctions) junctions.emplace(junction.id, JunctionType::kDefault);
   std::vector<std::string> found;
   for (const Road& road : network.roads) {
     for (const bool at_end : {false, true}) {
@@ -68,7 +87,7 @@ std::vector<std::string> link_problems(const Network& network) {
       }
       const auto connecting = roads.find(c.connecting);
       if (connecting == roads.end()) continue;
-      if (network.roads[connecting->second].junction != junction.id) {
+      if (junction.type != JunctionType::kDirect && network.roads[connecting->second].junction != junction.id) {
         found.push_back(name + "connects by way of road " + c.connecting + ", which does not lie in it");
       }
     }

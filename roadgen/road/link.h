@@ -3,8 +3,14 @@
 // Source: ASAM OpenDRIVE 1.7, clauses 8.2 (linkage of roads), 9.5 and 11.4 (of lanes), 12 (junctions).
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "roadgen/road/rare.h"
+#include "roadgen/road/records.h"
 
 namespace roadgen {
 
@@ -26,7 +32,8 @@ struct RoadLink {
   bool operator==(const RoadLink&) const = default;
 };
 
-// A way through a junction: from the incoming road into a road that lies in the junction.
+// A way through a junction: from the incoming road into a road that lies in the junction, or, where that is direct, into
+// a road beyond it.
 struct Connection {
   std::string incoming, connecting;  // ids of roads
   bool at_end = false;               // the connecting road's end is met, otherwise its start
@@ -34,11 +41,30 @@ struct Connection {
   bool operator==(const Connection&) const = default;
 };
 
+// Of OpenDRIVE 1.8: where roads meet; a place on a road where others branch off; where roads go on into one another
+// without roads between; where others only cross.
+enum class JunctionType : std::uint8_t { kDefault, kVirtual, kDirect, kCrossing };
+// The file's word for a type; and back, none for unknown words ("common" is default).
+std::string_view junction_type_name(JunctionType type);
+std::optional<JunctionType> junction_type(std::string_view name);
+
+// What few junctions have.
+struct JunctionRecords {
+  // Of a virtual junction, the part of a road along which it lies; no id elsewhere.
+  std::string main_road = {};
+  double s_start_m = 0, s_end_m = 0;
+  Orientation orientation = Orientation::kAll;
+  std::string other_xml = {};  // further elements as the file has them: priorities, controllers, ...; well-formed
+  bool operator==(const JunctionRecords&) const = default;
+};
+
 // A junction as a node of the road graph; its area, where it has one, is the Junction of the same id.
 struct JunctionLinks {
   std::string id;  // unique among these
   std::string name;
   std::vector<Connection> connections = {};
+  JunctionType type = JunctionType::kDefault;
+  Rare<JunctionRecords> records = {};
   bool operator==(const JunctionLinks&) const = default;
 };
 

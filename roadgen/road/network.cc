@@ -125,18 +125,25 @@ Status set_sections(Road& road, std::vector<LaneSection> sections) {
   return Done{};
 }
 
-void two_lane_sections(Road& road) {
+void divide_into_lanes(Road& road, int lanes) {
   std::vector<LaneSection> sections;
-  const auto side = [](const Cubic& width) {
-    std::vector<Lane> lanes(1);
-    lanes[0].mark.kind = MarkKind::kSolid;
-    lanes[0].width_m = width;
+  const auto part = [](double by, const Cubic& c) { return Cubic{by * c.c0, by * c.c1, by * c.c2, by * c.c3}; };
+  // Lanes of one width over the width of a side.
+  const auto side = [&](int count, const Cubic& width) {
+    std::vector<Lane> all(static_cast<std::size_t>(count));
+    if (all.empty()) return all;
+    for (Lane& lane : all) {
+      lane.width_m = part(1.0 / count, width);
+      lane.mark.kind = MarkKind::kBroken;
+    }
+    all.back().mark.kind = MarkKind::kSolid;
     // No room for shoulders on a path.
-    if (width.c0 < 4 * kEdgeStrip_m) return lanes;
-    lanes[0].width_m.c0 -= kEdgeStrip_m;
-    lanes.push_back({.type = LaneType::kShoulder, .width_m = {kEdgeStrip_m}, .mark = {}});
-    return lanes;
+    if (all.back().width_m.c0 < 4 * kEdgeStrip_m) return all;
+    all.back().width_m.c0 -= kEdgeStrip_m;
+    all.push_back({.type = LaneType::kShoulder, .width_m = {kEdgeStrip_m}, .mark = {}});
+    return all;
   };
+  const int to_left = lanes / 2, to_right = lanes - to_left;
   const Segment* first = nullptr;
   for (const Segment& segment : road.segments) {
     const bool shared = first && first->left_m.is_constant() && first->right_m.is_constant() &&
@@ -145,9 +152,12 @@ void two_lane_sections(Road& road) {
     first = &segment;
     LaneSection section;
     section.s_m = segment.s_start_m;
-    section.center_mark.kind = MarkKind::kBroken;
-    section.left = side(segment.left_m);
-    section.right = side(-segment.right_m);
+    section.center_mark.kind = lanes == 1 ? MarkKind::kSolid : lanes < 4 ? MarkKind::kBroken : MarkKind::kSolidSolid;
+    if (to_left != to_right) {
+      section.offset_m = segment.left_m - part(1.0 * to_left / lanes, segment.left_m - segment.right_m);
+    }
+    section.left = side(to_left, segment.left_m - section.offset_m);
+    section.right = side(to_right, section.offset_m - segment.right_m);
     sections.push_back(std::move(section));
   }
   // Sections that start with the segments always fit; the edges become their borders, to a rounding.

@@ -15,6 +15,8 @@
 #include "roadgen/road/lane.h"
 #include "roadgen/road/link.h"
 #include "roadgen/road/paint.h"
+#include "roadgen/road/rare.h"
+#include "roadgen/road/records.h"
 #include "roadgen/road/result.h"
 #include "roadgen/road/segment.h"
 #include "roadgen/road/sweep.h"
@@ -23,11 +25,27 @@ namespace roadgen {
 
 struct SweepPart;
 
-// Where the network stands on the Earth: ENU about an origin on the WGS84 ellipsoid.
+// Where the network stands on the Earth: ENU about an origin on the WGS84 ellipsoid, or in a map's projection.
+// roadgen/geodesy/local_frame.h goes between the network's coordinates and latitude and longitude.
 struct Georeference {
+  // The origin; with a projection the place of x = y = 0, or 0, 0 where it has none there.
   double latitude_deg = 0;   // [-90, 90]
   double longitude_deg = 0;  // [-180, 180]
   double height_m = 0;       // of the plane z = 0, in the datum of the source's heights
+  // A projected system in metres, as PROJ string, WKT or "EPSG:CODE"; empty: ENU about the origin.
+  std::string projection = {};
+  // In it the network is turned about its own x = y = 0, counter-clockwise, and then moved.
+  glm::dvec2 offset_m{0, 0};
+  double offset_heading_rad = 0;
+};
+
+// A part of a road that stands over the ground instead of lying on it.
+struct Bridge {
+  double s_start_m = 0;  // along the road, 0 <= s_start < s_end <= its length
+  double s_end_m = 0;
+  std::string id = {}, name = {};  // as the source has them
+  std::string type = {};           // of OpenDRIVE: "concrete", "steel", ...
+  bool operator==(const Bridge&) const = default;
 };
 
 // A road: segments one after the other, each starting at the anchor where the one before ends.
@@ -47,10 +65,17 @@ struct Road {
   // segments: set_sections or two_lane_sections.
   std::vector<LaneSection> sections;
   std::vector<Paint> paint;
-  std::vector<Sweep> sweeps;  // tunnels, guard rails, pipes, cables along it
+  std::vector<Sweep> sweeps;         // tunnels, guard rails, pipes, cables along it
+  std::vector<Bridge> bridges = {};  // the terrain is not raised to these
+  Rare<RoadRecords> records = {};    // objects, signals, types and speeds; not drawn
 
   double length_m() const { return segments.empty() ? 0 : segments.back().s_start_m + segments.back().arc_m; }
 };
+
+// Whether a bridge has a length and lies within its road.
+inline bool is_on(const Bridge& bridge, const Road& road) {
+  return bridge.s_start_m >= 0 && bridge.s_start_m < bridge.s_end_m && bridge.s_end_m <= road.length_m();
+}
 
 struct Network {
   std::string name;
@@ -58,6 +83,8 @@ struct Network {
   std::vector<Road> roads;
   std::vector<Junction> junctions;                 // areas
   std::vector<JunctionLinks> junction_links = {};  // the graph's nodes, with or without an area
+  std::vector<Controller> controllers = {};        // of signals
+  std::string other_xml = {};                      // further elements as the file has them: stations, ...; well-formed
 
   const Road* find_road(const std::string& id) const;
   std::size_t segment_count() const;
@@ -107,9 +134,13 @@ RoadPose pose_in(const Road& road, const Segment& segment, double local_s_m, dou
 // elsewhere than at a joint (within 1e-6 m).
 Status set_sections(Road& road, std::vector<LaneSection> sections);
 
-// One lane each way over the edges that the segments have, with hard shoulders of kEdgeStrip_m beyond solid edge lines
-// and a broken centre line. Segments of one constant width share a section.
-void two_lane_sections(Road& road);
+// So many lanes over the edges that the segments have, with hard shoulders of kEdgeStrip_m beyond solid edge lines: half
+// of an even number to each side of the reference line, of equal widths there; of an odd number one more to the right, all
+// of one width, lane 0 where they part. The line between the directions is broken, two solid ones from four lanes on.
+// Segments of one constant width share a section. Requires: lanes in [1, kMostLanes].
+void divide_into_lanes(Road& road, int lanes);
+inline constexpr int kMostLanes = 20;
+inline void two_lane_sections(Road& road) { divide_into_lanes(road, 2); }
 inline constexpr double kEdgeStrip_m = 0.26;
 
 // The segment's cross section; one without lanes where the road has none.

@@ -566,6 +566,24 @@ FN vec3 sweep_post_normal(IN(SweepPoint) c, IN(SweepPath) r, IN(SweepPosts) p) {
   return vec3((x * c.tx - y * c.ty) / size, (x * c.ty + y * c.tx) / size, 0.0);
 }
 
+// The hollow ----------------------------------------------------------------------------------------------------------
+
+// Negative in the clear space of a tunnel's piece: under its vault (profile p0 to p2), above its floor (p4 below the
+// axis), between its ends, beyond which neighbours overlap by two millimetres, and within its box.
+FN float sweep_hollow(IN(float) x, IN(float) y, IN(float) z, IN(SweepPiece) p) {
+  float chord = p.path.chord;
+  float f0 = road_df(p.u0, p.path.a, p.path.b);
+  float f1 = road_df(p.u1, p.path.a, p.path.b);
+  float from = x - p.u0 * chord + f0 * (y - chord * road_f(p.u0, p.path.a, p.path.b));
+  float to = p.u1 * chord - x - f1 * (y - chord * road_f(p.u1, p.path.a, p.path.b));
+  from = from + 2e-3 * sqrt(1.0 + f0 * f0);
+  to = to + 2e-3 * sqrt(1.0 + f1 * f1);
+  float outside = max(max(-from, -to), max(max(p.y0 - y, y - p.y1), max(p.z0 - z, z - p.z1)));
+  if (outside >= 0.0) return outside;
+  SweepPoint c = sweep_locate(x, y, z, float(0.0), float(0.0), float(1.0), p.path);
+  return max(outside, max(sweep_vault(c.n, c.h, p.profile.p0, p.profile.p1, p.profile.p2), -p.profile.p4 - c.h));
+}
+
 // Light -------------------------------------------------------------------------------------------------------------
 
 // Part of the daylight that comes in so far from the nearer portal, with a floor for what walls reflect.

@@ -41,7 +41,9 @@ struct Method {
 std::vector<Method> methods() {
   std::vector<Method> list = {{"cookie-cut", true, {}}};
   for (int turn = 0; turn < kPaperTurns; ++turn) {
-    list.push_back({fmt::format("{:g} degrees", kTurns_deg[turn]), false, {MeshMethod::kTurn, turn, false}});
+    list.push_back({fmt::format("{:g} degree{}", kTurns_deg[turn], kTurns_deg[turn] == 1 ? "" : "s"),
+                    false,
+                    {MeshMethod::kTurn, turn, false}});
   }
   list.push_back({"ground alone", false, {}});
   list.push_back({"cookie-cut, culled", true, {MeshMethod::kNoRoad, 0, true}});

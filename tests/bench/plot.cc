@@ -10,7 +10,8 @@ namespace roadgen::bench {
 namespace {
 
 constexpr double kWidth = 900, kHeight = 560, kLeft = 80, kRight = 260, kTop = 44, kBottom = 60;
-const char* const kColors[] = {"#d62728", "#1f4e8c", "#2a7ab8", "#5ba3cf", "#8cc0a0", "#b5a642", "#7a5195", "#777777"};
+const char* const kColors[] = {"#d62728", "#1f4e8c", "#2a7ab8", "#5ba3cf", "#8cc0a0",
+                               "#b5a642", "#7a5195", "#777777", "#e08214", "#111111"};
 
 // A logarithmic axis from pixel a to pixel b.
 struct Axis {
@@ -64,7 +65,11 @@ std::string log_log_svg(const std::string& title, const std::string& x_label, co
                      (x.a + x.b) / 2, kHeight - 14, x_label, (y.a + y.b) / 2, y_label);
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const Curve& curve = curves[i];
-    const char* color = kColors[i % std::size(kColors)];
+    // "name, variant" has the colour of "name".
+    const std::string base = curve.name.substr(0, curve.name.find(", "));
+    const auto partner = std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.name == base; });
+    const auto index = partner == curves.end() ? i : static_cast<std::size_t>(partner - curves.begin());
+    const char* color = kColors[index % std::size(kColors)];
     const char* dash = curve.dashed ? R"( stroke-dasharray="6 4")" : "";
     std::string points;
     for (std::size_t k = 0; k < curve.x.size(); ++k)

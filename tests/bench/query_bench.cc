@@ -1,11 +1,11 @@
 // Latency and throughput of world to road and road to world, on one core.
-//   build/release/bin/query_bench [--points N] [--blocks N] [FILE.xodr...]
-// For every file, and for a street grid of 4 * blocks * (blocks + 1) segments, one row of a Markdown table per kind of
-// query. Points are uniform over length and width of roads taken by their length, at the surface's height; or uniform in
-// the network's bounds, within a reach of 50 m; or along roads in steps of 0.5 m, each the hint of the next. Latencies are
-// of single queries, each the least of five passes over all points, so that what the machine does besides drops out while
-// caches stay as cold as the network is large; throughput is over a pass by the thread's processor time, of the
-// best pass.
+//   build/release/bin/query_bench [--points N] [--blocks N] [--only WORDS] [FILE.xodr...]
+// Rows whose kind of query holds the words of --only, by default all. For every file, and for a street grid of 4 *
+// blocks * (blocks + 1) segments, one row of a Markdown table per kind of query. Points are uniform over length and
+// width of roads taken by their length, at the surface's height; or uniform in the network's bounds, within a reach of
+// 50 m; or along roads in steps of 0.5 m, each the hint of the next. Latencies are of single queries, each the least of
+// five passes over all points, so that what the machine does besides drops out while caches stay as cold as the network
+// is large; throughput is over a pass by the thread's processor time, of the best pass.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -15,6 +15,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "roadgen/import/opendrive.h"
@@ -36,12 +37,17 @@ double processor_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+// What the name of a row must hold.
+std::string only;
+bool is_left_out(std::string_view query) { return query.find(only) == query.npos; }
+
 // Keeps the answers from being left out by the compiler.
 volatile double sink;
 
 // One row: ask(i) for every i in [0, count), alone for latency and in one pass for throughput.
 template <class Ask>
 void row(const std::string& network, const char* query, std::size_t count, Ask&& ask) {
+  if (is_left_out(query)) return;
   using Clock = std::chrono::steady_clock;
   std::vector<float> least(count, 1e30f);
   std::vector<double> rates;
@@ -69,6 +75,7 @@ void row(const std::string& network, const char* query, std::size_t count, Ask&&
 // The same for calls of kBatch at once: the rate alone.
 template <class Ask>
 void batch_row(const std::string& network, const char* query, std::size_t count, Ask&& ask) {
+  if (is_left_out(query)) return;
   std::vector<double> rates;
   for (int pass = 0; pass < kPasses; ++pass) {
     double sum = 0;
@@ -167,6 +174,8 @@ int main(int argc, char** argv) {
       points = std::strtoull(argv[++i], nullptr, 10);
     } else if (argument == "--blocks" && i + 1 < argc) {
       blocks = std::atoi(argv[++i]);
+    } else if (argument == "--only" && i + 1 < argc) {
+      roadgen::only = argv[++i];
     } else {
       files.push_back(argument);
     }

@@ -1,6 +1,7 @@
 // No ground shows through a road: pictures of the pass with its levelled terrain, looked at pixel by pixel.
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -149,6 +150,43 @@ TEST_F(GroundTest, NoGroundIsMixedIntoTheRoadsPicture) {
   EXPECT_GT(compared, 100000u);
   // Of a joint, rounding may leave single samples to the ground: one pixel in 100,000, by a few levels.
   EXPECT_LE(static_cast<double>(mixed), 1e-5 * static_cast<double>(compared));
+}
+
+// What wheels off the road stand on is what the picture shows: the height of every pixel of ground, within 1 cm or, where
+// a pixel is larger than a metre, a hundredth of it: the rasterizer snaps vertices to 1/256 of a pixel.
+TEST_F(GroundTest, ContactAgreesWithThePicture) {
+  auto terrain = Terrain::build(network_, &*elevation_);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa));
+  ASSERT_TRUE(renderer.ok());
+  ASSERT_TRUE(renderer->load_ground(terrain->tiles()).ok());
+  const Road& road = network_.roads[0];
+  double worst_m = 0, worst_near_m = 0, worst_part = 0;
+  std::size_t compared = 0;
+  for (int i = 0; i < 12; ++i) {
+    Camera camera = drive_camera(road, road.length_m() * i / 12, 0, i % 2 == 0 ? 1.5 : 60);
+    camera.yaw_deg += 30 * i;
+    camera.pitch_deg -= 8;
+    const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / kHeight;
+    const auto frame = renderer->render(camera, {.width = kWidth, .height = kHeight, .channels = kLabel | kDepth});
+    ASSERT_TRUE(frame.ok());
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (static_cast<Label>(frame->label.at(x, y, 0)) != Label::kGround) continue;
+        const double depth = frame->depth_m.at(x, y, 0);
+        const glm::dvec3 seen = camera.position_m + depth * pixel_ray(camera, kWidth, kHeight, x, y);
+        const double off = std::abs(seen.z - terrain->height_m(glm::dvec2(seen)));
+        worst_m = std::max(worst_m, off);
+        if (depth < 300) worst_near_m = std::max(worst_near_m, off);
+        worst_part = std::max(worst_part, off / std::max(0.01, 0.01 * pixel * depth));
+        ++compared;
+      }
+    }
+  }
+  std::printf("%zu pixels of ground, at most %.2e m from its height, %.2e m within 300 m, %.2f of the limit\n",
+              compared, worst_m, worst_near_m, worst_part);
+  EXPECT_GT(compared, 500000u);
+  EXPECT_LE(worst_part, 1);
 }
 
 TEST_F(GroundTest, GroundThatIsNotLevelledIsFound) {

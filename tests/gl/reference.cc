@@ -347,14 +347,14 @@ class Painter {
     return {Lib::sky_tone(light.x), Lib::sky_tone(light.y), Lib::sky_tone(light.z)};
   }
 
-  // shaders/sky.frag.
+  // shaders/sky.frag; the clouds are smoothed as the picture's are, by the size of the pixel.
   glm::dvec3 sky(glm::dvec3 ray) const {
     const glm::dvec3 d = glm::normalize(ray);
     const double toward = glm::dot(d, sun_);
     glm::dvec3 color = Lib::sky_gradient(d.z, toward);
     if (d.z > 0.02) {
       const double x = d.x / d.z * 6000, y = d.y / d.z * 6000;
-      const double footprint = pixel_ / options_.grid * 6000 / (d.z * d.z);
+      const double footprint = pixel_ * 6000 / (d.z * d.z);
       const double shape = Lib::noise_fractal(x * 0.06, y * 0.11, 512.0, 5, 0.55, footprint * 0.1);
       const double cover = glsl::smoothstep(0.15, 1.1, shape) * glsl::smoothstep(0.02, 0.22, d.z) * 0.75;
       color = glm::mix(color, glm::dvec3(1, 0.98, 0.96) * (0.85 + 0.4 * std::max(toward, 0.0)), cover);

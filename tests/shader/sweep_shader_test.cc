@@ -30,6 +30,12 @@ SHADER_CASE(Locate, 18, 7,
             SweepPath r = SweepPath(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], float(0.0), float(0.0), float(0.0));
             SweepPoint p = sweep_locate(x[12], x[13], x[14], x[15], x[16], x[17], r);
             y[0] = p.s; y[1] = p.n; y[2] = p.h; y[3] = p.ds; y[4] = p.dn; y[5] = p.dh; y[6] = p.stretch;)
+SHADER_CASE(Hollow, 18, 1,
+            SweepPath r = SweepPath(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], float(0.0), float(0.0), float(0.0));
+            SweepProfile p = SweepProfile(SWEEP_LINING, float(5.0), float(2.0), float(5.2), float(0.0), float(0.5), float(0.0));
+            SweepPosts posts = SweepPosts(float(0.0), float(1.0), float(0.0), float(0.0), float(0.0), float(0.0), float(0.0), float(0.0));
+            SweepPiece piece = SweepPiece(r, p, posts, float(0.2), float(0.8), float(0.0), float(0.0), float(-9.0), float(9.0), float(-2.0), float(8.0));
+            y[0] = sweep_hollow(x[12], x[13], x[14], piece);)
 SHADER_CASE(Time, 3, 1, y[0] = 1.0 / (0.1 + sweep_time(x[0], x[1], x[2]));)
 SHADER_CASE(Keep, 2, 2, vec2 k = sweep_keep(vec2(-3.0, 4.0), x[0], x[1]); y[0] = k.x; y[1] = k.y;)
 SHADER_CASE(March, 18, 3,
@@ -100,6 +106,7 @@ const FunctionCase kCases[] = {
     {"sweep_lining", Lining, uniform_inputs({{-9, 9}, {-2, 9}, {2, 3.99}}), 1.2e-6},
     {"sweep_support", Support, uniform_inputs({{-3.1, 3.1}}), 5e-8},
     {"sweep_locate", Locate, place_inputs, 2.5e-6, 10},
+    {"sweep_hollow", Hollow, place_inputs, 2.5e-6, 10},
     {"sweep_time", Time, uniform_inputs({{-1, 9}, {-1, 1}, {0.001, 0.2}}), 4e-7},
     {"sweep_keep", Keep, uniform_inputs({{-9, 9}, {0.1, 1}}), 1.2e-7},
     {"sweep_cast", March, ray_inputs, 6e-4, 20},  // both end within half a millimetre

@@ -11,6 +11,7 @@
 
 #include "roadgen/fit/fit.h"
 #include "roadgen/fit/least_squares.h"
+#include "roadgen/fit/outliers.h"
 #include "roadgen/fit/profile.h"
 
 namespace roadgen {
@@ -427,6 +428,112 @@ std::vector<Sample> random_samples(std::mt19937_64& random, bool loop, double tu
              : p + (1 + 40 * uniform(random)) * direction(heading);
   }
   return samples;
+}
+
+TEST(Fit, EndsMayBeFixed) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const std::vector<Sample> truth = curve(600, 5, winding);
+    std::vector<Sample> samples = truth;
+    add_noise(samples, 0.03, seed);
+    FitOptions options{.max_error_m = 0.1};
+    const auto pose = [&](std::size_t from, std::size_t to, std::size_t at) {
+      const glm::dvec2 d = truth[to].position_m - truth[from].position_m;
+      return FixedEnd{truth[at].position_m, std::atan2(d.y, d.x) + 0.01};
+    };
+    options.start = pose(0, 1, 0);
+    options.end = pose(truth.size() - 2, truth.size() - 1, truth.size() - 1);
+    const auto fitted = fit_road(samples, options);
+    ASSERT_TRUE(fitted.ok()) << fitted.error().text();
+    const Road& road = fitted->road;
+    EXPECT_LT(glm::distance(road.segments.front().start_m, options.start->position_m), 1e-12);
+    EXPECT_LT(glm::distance(road.segments.back().end_m, options.end->position_m), 1e-12);
+    EXPECT_NEAR(std::remainder(heading_rad(road.segments.front(), 0) - options.start->heading_rad, 2 * M_PI), 0, 1e-12);
+    EXPECT_NEAR(std::remainder(heading_rad(road.segments.back(), 1) - options.end->heading_rad, 2 * M_PI), 0, 1e-12);
+    EXPECT_LE(fitted->certificate.max_error_m, 0.1);
+    EXPECT_TRUE(checked(road).problems.empty());
+  }
+  FitOptions closed{.closed = true};
+  closed.start = FixedEnd{};
+  EXPECT_FALSE(fit_road(circle(40, 60), closed).ok());
+}
+
+// Five samples in a hundred are off by 1 to 8 m, some side by side, up to 60 degrees askew to the road's normal: one that
+// is only too far along the road is still on it.
+struct Spoilt {
+  std::vector<Sample> samples, clean;
+  std::vector<std::size_t> bad;
+};
+Spoilt spoilt(const std::function<double(double)>& curvature, double spacing_m, unsigned seed) {
+  Spoilt s;
+  s.samples = curve(600, spacing_m, curvature);
+  add_noise(s.samples, 0.02, seed);
+  s.clean = s.samples;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (std::size_t i = 1; i + 1 < s.samples.size(); ++i) {
+    if (uniform(random) > 0.05) continue;
+    const glm::dvec2 ahead = s.clean[i + 1].position_m - s.clean[i - 1].position_m;
+    const double across = std::atan2(ahead.y, ahead.x) + (uniform(random) < 0.5 ? -M_PI / 2 : M_PI / 2);
+    s.samples[i].position_m += (1 + 7 * uniform(random)) * direction(across + M_PI / 3 * (2 * uniform(random) - 1));
+    s.bad.push_back(i);
+  }
+  return s;
+}
+
+TEST(Fit, OutliersMayBeLeftOut) {
+  std::size_t planted = 0, found = 0, wrongly = 0;
+  for (const auto& curvature : {std::function<double(double)>(bend), std::function<double(double)>(winding)}) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      const Spoilt s = spoilt(curvature, 4, seed);
+      Diagnostics diagnostics;
+      const auto fitted = fit_road(s.samples, {.max_error_m = 0.1, .reject_outliers = true}, &diagnostics);
+      ASSERT_TRUE(fitted.ok()) << fitted.error().text();
+      // The certificate is that of the rest, and of the truth.
+      EXPECT_LE(fitted->certificate.max_error_m, 0.1);
+      EXPECT_EQ(fitted->certificate.samples + fitted->certificate.outliers, s.samples.size());
+      const Certificate truth = certify(fitted->road, s.clean, 0);
+      EXPECT_LT(truth.max_error_m, 0.5) << "seed " << seed;
+      if (!s.bad.empty()) {
+        EXPECT_GT(fitted->certificate.greatest_outlier_m, 0.9);
+        ASSERT_FALSE(diagnostics.empty());
+        EXPECT_NE(diagnostics[0].message.find("left out of the fit, numbers "), std::string::npos);
+      }
+      // Which they are, by the numbers that users are told.
+      std::vector<glm::dvec2> positions;
+      for (const Sample& sample : s.samples) positions.push_back(sample.position_m);
+      const std::vector<char> outlier = find_outliers(positions, false, 0.1);
+      planted += s.bad.size();
+      for (std::size_t i = 0; i < outlier.size(); ++i) {
+        const bool bad = std::binary_search(s.bad.begin(), s.bad.end(), i);
+        found += bad && outlier[i];
+        wrongly += !bad && outlier[i];
+      }
+      // Without it the road passes them all.
+      const auto plain = fit_road(s.samples, {.max_error_m = 0.1});
+      if (plain.ok() && !s.bad.empty()) {
+        EXPECT_GT(certify(plain->road, s.clean, 0).max_error_m, 0.5);
+      }
+    }
+  }
+  std::printf("%zu outliers planted, %zu found, %zu wrongly\n", planted, found, wrongly);
+  EXPECT_GE(static_cast<double>(found), 0.97 * static_cast<double>(planted));
+  EXPECT_EQ(wrongly, 0u);
+}
+
+TEST(Fit, NoGoodSampleIsAnOutlier) {
+  for (const auto& curvature : {std::function<double(double)>(bend), std::function<double(double)>(hairpin),
+                                std::function<double(double)>(winding)}) {
+    for (const double spacing : {2.0, 5.0, 12.0, 40.0}) {
+      std::vector<Sample> samples = curve(600, spacing, curvature);
+      add_noise(samples, 0.03, 5);
+      const auto fitted = fit_road(samples, {.max_error_m = 0.1, .reject_outliers = true});
+      ASSERT_TRUE(fitted.ok()) << fitted.error().text();
+      EXPECT_EQ(fitted->certificate.outliers, 0u) << spacing;
+    }
+  }
+  const auto ring = fit_road(circle(40, 60), {.closed = true, .reject_outliers = true});
+  ASSERT_TRUE(ring.ok());
+  EXPECT_EQ(ring->certificate.outliers, 0u);
 }
 
 TEST(Fit, AnyFiniteSamplesGiveARoadOrAnError) {

@@ -2,8 +2,10 @@
 // and written. Assertions are on in the dev preset; run it under the asan preset too.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <random>
 
 #include "roadgen/export/opendrive.h"
@@ -11,6 +13,8 @@
 #include "roadgen/import/gpx.h"
 #include "roadgen/import/import.h"
 #include "roadgen/import/opendrive.h"
+#include "roadgen/import/osm_file.h"
+#include "roadgen/import/text_file.h"
 #include "tests/common/osm_city.h"
 #include "tests/osm_text.h"
 #include "tests/temporary_folder.h"
@@ -200,7 +204,7 @@ TEST(Damage, TablesAndTracksGiveFinitePointsOrAnError) {
   for (int i = 0; i < kRounds; ++i) {
     Diagnostics diagnostics;
     for (const auto& tracks :
-         {parse_csv(damaged(csv, random), "f", diagnostics), parse_gpx(damaged(gpx, random), "f", diagnostics)}) {
+         {parse_csv(damaged(csv, random), "f", {}, diagnostics), parse_gpx(damaged(gpx, random), "f", diagnostics)}) {
       if (!tracks) {
         EXPECT_EQ(tracks.error().file, "f");
         continue;
@@ -344,6 +348,94 @@ TEST(Damage, OddTownsAreSoundNetworksThatComeBackFromTheirFiles) {
     EXPECT_TRUE(*opendrive_text(*again) == *written) << text;
   }
   EXPECT_GT(areas, 300u);
+}
+
+// What broke a reader once, and the like: see tests/fuzz.
+TEST(Damage, FilesThatBrokeReadersAreReadOrRefused) {
+  const std::filesystem::path corpus = std::string(ROADGEN_SOURCE_DIR) + "/tests/fuzz/corpus";
+  const test::TemporaryFolder folder;
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(corpus)) {
+    if (!entry.is_regular_file()) continue;
+    ++files;
+    const std::string path = entry.path(), kind = entry.path().parent_path().filename();
+    if (kind == "opendrive") {
+      const auto network = read_opendrive(path);
+      if (network) (void)check(*network);
+    } else {
+      const auto result = import_files({path}, {});
+      EXPECT_TRUE(result.ok() || !result.error().message.empty()) << path;
+    }
+  }
+  EXPECT_GT(files, 15u);
+}
+
+std::string repeated(const std::string& text, std::size_t count) {
+  std::string all;
+  all.reserve(text.size() * count);
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+TEST(Damage, EndlesslyRepeatedElementsAreRefused) {
+  const auto refused = [](const std::string& text) {
+    const Result<Network> network = parse_opendrive(text, "n.xodr");
+    EXPECT_FALSE(network.ok());
+    return network.ok() ? Error{} : network.error();
+  };
+  const std::string head = "<OpenDRIVE><header revMajor=\"1\" revMinor=\"7\"/>\n", tail = "</OpenDRIVE>";
+  const Error children = refused(head + repeated("<a/>", 5'000'001) + tail);
+  EXPECT_EQ(children.code, ErrorCode::kData);
+  EXPECT_NE(children.message.find("more than 5000000"), std::string::npos) << children.text();
+  const Error tags = refused(head + "<road id=\"1\">" + repeated("<type/>", 1'000'001) + "</road>" + tail);
+  EXPECT_EQ(tags.code, ErrorCode::kData);
+  EXPECT_EQ(tags.line, 2);
+  EXPECT_NE(tags.message.find("more than 1000000 elements"), std::string::npos) << tags.text();
+
+  const test::TemporaryFolder folder;
+  const std::string way = "<nd ref=\"1\"/><nd ref=\"2\"/><tag k=\"highway\" v=\"primary\"/></way>";
+  const std::string path =
+      folder.put("many.osm", "<osm version=\"0.6\">" + repeated("<node id=\"1\" lat=\"0\" lon=\"0\"/>", 100) +
+                                 "<node id=\"2\" lat=\"0\" lon=\"1e-3\"/>" + repeated("<way id=\"1\">" + way, 100) +
+                                 "<way id=\"2\">" + way + "</osm>");
+  ElementFindings findings(path);
+  EXPECT_TRUE(read_osm(path, findings, {.ways = 2, .refs = 4, .one_pass_nodes = 101}).ok());
+  const std::pair<OsmLimits, const char*> cases[] = {{{.ways = 1}, "more than 1 ways"},
+                                                     {{.refs = 3}, "more than 3 nodes of ways"},
+                                                     {{.one_pass_nodes = 100}, "100 nodes;"}};
+  for (const auto& [limits, says] : cases) {
+    const Result<OsmData> data = read_osm(path, findings, limits);
+    ASSERT_FALSE(data.ok());
+    EXPECT_EQ(data.error().code, ErrorCode::kData);
+    EXPECT_NE(data.error().message.find(says), std::string::npos) << data.error().text();
+  }
+  EXPECT_EQ(read_file(path, 100).error().code, ErrorCode::kData);
+  EXPECT_TRUE(read_file(path).ok());
+}
+
+TEST(Damage, RefusedFilesAreClosed) {
+  const auto open_files = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), std::filesystem::directory_iterator());
+  };
+  const std::filesystem::path corpus = std::string(ROADGEN_SOURCE_DIR) + "/tests/fuzz/corpus";
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(corpus)) {
+    if (!entry.is_regular_file()) continue;
+    const auto read = [&] { (void)import_files({entry.path()}, {}); };
+    read();  // libraries may keep what they open first
+    const auto before = open_files();
+    for (int i = 0; i < 20; ++i) read();
+    EXPECT_EQ(open_files(), before) << entry.path();
+  }
+}
+
+TEST(Damage, WaysWithZeroBytesInTheirTagsAreLeftOut) {
+  ElementFindings findings("null_in_tag.pbf");
+  (void)read_osm(std::string(ROADGEN_SOURCE_DIR) + "/tests/fuzz/corpus/osm_pbf/null_in_tag.pbf", findings);
+  Diagnostics diagnostics;
+  findings.append_to(diagnostics);
+  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) {
+    return d.message.find("zero byte in its tags") != std::string::npos;
+  }));
 }
 
 }  // namespace

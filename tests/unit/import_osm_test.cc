@@ -287,6 +287,8 @@ TEST(OsmImport, BridgeClearsTheRoadBelowWithRampsOfItsClass) {
   EXPECT_NEAR(pose_at(road_of(result, "10"), 100, 0).position_m.z, 0, 1e-9);
   ASSERT_EQ(bridge.sweeps.size(), 2u);
   EXPECT_EQ(bridge.sweeps[0].kind(), SweepKind::kGuardRail);
+  EXPECT_EQ(bridge.bridges, (std::vector{Bridge{.s_start_m = 0, .s_end_m = bridge.length_m()}}));
+  EXPECT_TRUE(road_of(result, "10").bridges.empty());
   // The three roads are one line in height too.
   const JointGap gap = joint_gap(road_of(result, "10").segments.back(), bridge.segments.front());
   EXPECT_LT(gap.elevation_m, 1e-9);

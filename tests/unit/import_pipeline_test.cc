@@ -102,6 +102,59 @@ TEST(Import, WidthsOfTheFileBecomeHalfWidths) {
   EXPECT_NEAR(road.segments.back().left_m.value(road.segments.back().arc_m), 4.5, 0.1);
 }
 
+TEST(Import, FieldsThatAreNamedGiveWidthLanesHeightAndName) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.put("a.csv", "x,y,width,B,Spuren,H\n0,0,99,12,3,400\n100,0,99,12,3,400\n");
+  const std::string json = folder.put("a.geojson", R"({"type":"FeatureCollection",
+"crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::32632"}},"features":[
+{"type":"Feature","properties":{"b":12,"Spuren":"4","h":310.5,"ref":"A 9"},
+ "geometry":{"type":"LineString","coordinates":[[500000,5000000],[500000,5001000]]}},
+{"type":"Feature","properties":{"b":null,"Spuren":2.5,"h":"low","ref":null},
+ "geometry":{"type":"LineString","coordinates":[[500100,5000000],[500100,5001000]]}},
+{"type":"Feature","properties":{"Spuren":1},
+ "geometry":{"type":"LineString","coordinates":[[500200,5000000],[500200,5001000]]}}]})");
+  ImportOptions options;
+  options.fields = {.width = "B", .lanes = "Spuren", .height = "H", .name = {}};
+  ImportResult result = imported({csv}, options);
+  const Road& three = result.network.roads.at(0);
+  EXPECT_NEAR(three.segments[0].left_m.c0, 6, 1e-12);
+  EXPECT_NEAR(three.segments[0].right_m.c0, -6, 1e-12);
+  EXPECT_NEAR(three.segments[0].elevation_m.c0, 400, 1e-9);
+  // One lane to the left, two to the right, all 4 m wide, and a strip beyond each edge line.
+  ASSERT_EQ(three.sections[0].left.size(), 2u);
+  ASSERT_EQ(three.sections[0].right.size(), 3u);
+  EXPECT_NEAR(three.sections[0].offset_m.c0, 2, 1e-12);
+  EXPECT_NEAR(three.sections[0].right[0].width_m.c0, 4, 1e-12);
+  EXPECT_EQ(three.sections[0].right[0].mark.kind, MarkKind::kBroken);
+  EXPECT_EQ(three.sections[0].right[1].mark.kind, MarkKind::kSolid);
+  EXPECT_TRUE(check(result.network).ok());
+
+  options.fields.name = "ref";
+  result = imported({json}, options);
+  ASSERT_EQ(result.network.roads.size(), 3u);
+  const Road &four = result.network.roads[0], &two = result.network.roads[1], &one = result.network.roads[2];
+  EXPECT_EQ(four.name, "A 9");
+  EXPECT_EQ(four.sections[0].left.size(), 3u);
+  EXPECT_EQ(four.sections[0].center_mark.kind, MarkKind::kSolidSolid);
+  EXPECT_NEAR(four.segments[0].left_m.c0, 6, 1e-12);
+  EXPECT_NEAR(four.segments[0].elevation_m.c0, 310.5, 0.2);  // less the Earth's curvature
+  EXPECT_EQ(two.sections[0].left.size(), 2u);
+  EXPECT_NEAR(two.segments[0].left_m.c0, 3.5, 1e-12);
+  EXPECT_TRUE(one.sections[0].left.empty());
+  EXPECT_NEAR(one.segments[0].left_m.c0, 1.75, 1e-12);
+  EXPECT_TRUE(mentions(result.diagnostics, "the number of lanes is not one of 1 to 20"));
+  EXPECT_TRUE(mentions(result.diagnostics, "the property H is not a number"));
+  EXPECT_TRUE(check(result.network).ok());
+
+  options.fields.lanes = "tracks";
+  for (const std::string& path : {csv, json}) {
+    const Result<ImportResult> none = import_files({path}, options);
+    ASSERT_FALSE(none.ok());
+    EXPECT_EQ(none.error().code, ErrorCode::kData);
+    EXPECT_NE(none.error().message.find("'tracks'"), std::string::npos) << none.error().text();
+  }
+}
+
 TEST(Import, ProgressGrowsFromNothingToAll) {
   const TemporaryFolder folder;
   const std::string path = folder.put("a.csv", "x,y\n0,0\n100,0\n");

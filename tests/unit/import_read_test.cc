@@ -1,5 +1,7 @@
 // Readers of tracks: CSV, GPX, and vector files by GDAL.
+#include <gdal_priv.h>
 #include <gtest/gtest.h>
+#include <ogrsf_frmts.h>
 
 #include "roadgen/import/csv.h"
 #include "roadgen/import/gpx.h"
@@ -12,14 +14,14 @@ namespace {
 
 Track good_csv(const std::string& text, Diagnostics* diagnostics = nullptr) {
   Diagnostics own;
-  auto tracks = parse_csv(text, "t.csv", diagnostics ? *diagnostics : own);
+  auto tracks = parse_csv(text, "t.csv", {}, diagnostics ? *diagnostics : own);
   EXPECT_TRUE(tracks.ok()) << text << "\n" << (tracks.ok() ? "" : tracks.error().text());
   return tracks.ok() ? tracks->front() : Track{};
 }
 
 Error bad_csv(const std::string& text) {
   Diagnostics diagnostics;
-  auto tracks = parse_csv(text, "t.csv", diagnostics);
+  auto tracks = parse_csv(text, "t.csv", {}, diagnostics);
   EXPECT_FALSE(tracks.ok()) << text;
   return tracks.ok() ? Error{} : tracks.error();
 }
@@ -146,7 +148,7 @@ TEST(Vector, GeoJsonLinesKeepIdNameAndHeights) {
     {"type":"Feature","properties":{},"geometry":{"type":"MultiLineString","coordinates":[[[1,2],[4,5]],[[7,8],[9,10]]]}},
     {"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[1,2]}}]})");
   Diagnostics diagnostics;
-  const auto tracks = read_vector(path, diagnostics);
+  const auto tracks = read_vector(path, {}, diagnostics);
   ASSERT_TRUE(tracks.ok()) << tracks.error().text();
   ASSERT_EQ(tracks->size(), 3u);
   EXPECT_EQ((*tracks)[0].element, "x-1");
@@ -167,7 +169,7 @@ TEST(Vector, OtherCoordinateSystemsBecomeWgs84) {
     "crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::32632"}},
     "features":[{"type":"Feature","properties":{},"geometry":{"type":"LineString","coordinates":[[500000,5000000],[500000,5001000]]}}]})");
   Diagnostics diagnostics;
-  const auto tracks = read_vector(path, diagnostics);
+  const auto tracks = read_vector(path, {}, diagnostics);
   ASSERT_TRUE(tracks.ok()) << tracks.error().text();
   EXPECT_TRUE((*tracks)[0].geodetic);
   EXPECT_NEAR((*tracks)[0].points[0].x, 9, 1e-9);
@@ -180,10 +182,54 @@ TEST(Vector, KmlIsRead) {
 <kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark><name>Pass</name>
 <LineString><coordinates>1,2,3 4,5,6</coordinates></LineString></Placemark></Document></kml>)");
   Diagnostics diagnostics;
-  const auto tracks = read_vector(path, diagnostics);
+  const auto tracks = read_vector(path, {}, diagnostics);
   ASSERT_TRUE(tracks.ok()) << tracks.error().text();
   EXPECT_EQ((*tracks)[0].name, "Pass");
   EXPECT_EQ((*tracks)[0].points[1].y, 5);
+}
+
+TEST(Vector, ShapefilesAndGeoPackagesAreReadWithTheirFields) {
+  GDALAllRegister();
+  const test::TemporaryFolder folder;
+  const std::pair<const char*, const char*> kinds[] = {{"ESRI Shapefile", "a.shp"}, {"GPKG", "a.gpkg"}};
+  for (const auto& [driver, file] : kinds) {
+    SCOPED_TRACE(driver);
+    const std::string path = folder.path(file);
+    GDALDataset* const dataset =
+        GetGDALDriverManager()->GetDriverByName(driver)->Create(path.c_str(), 0, 0, 0, GDT_Unknown, nullptr);
+    ASSERT_NE(dataset, nullptr);
+    OGRSpatialReference utm;
+    utm.SetWellKnownGeogCS("WGS84");
+    utm.SetUTM(32);
+    OGRLayer* const layer = dataset->CreateLayer("roads", &utm, wkbLineString25D);
+    OGRFieldDefn lanes("LANES", OFTInteger), width("WIDTH_M", OFTReal), name("STREET", OFTString);
+    for (OGRFieldDefn* field : {&lanes, &width, &name}) ASSERT_EQ(layer->CreateField(field), OGRERR_NONE);
+    OGRFeature feature(layer->GetLayerDefn());
+    feature.SetField("LANES", 3);
+    feature.SetField("WIDTH_M", 10.5);
+    feature.SetField("STREET", "Ring");
+    OGRLineString line;
+    line.addPoint(500000, 5000000, 310);
+    line.addPoint(500000, 5001000, 320);
+    feature.SetGeometry(&line);
+    ASSERT_EQ(layer->CreateFeature(&feature), OGRERR_NONE);
+    GDALClose(dataset);
+
+    Diagnostics diagnostics;
+    const FieldNames fields{.width = "width_m", .lanes = "lanes", .height = {}, .name = "street"};
+    const auto tracks = read_tracks(path, fields, diagnostics);
+    ASSERT_TRUE(tracks.ok()) << tracks.error().text();
+    for (const Diagnostic& d : diagnostics) ADD_FAILURE() << d.text();
+    ASSERT_EQ(tracks->size(), 1u);
+    const Track& track = tracks->front();
+    EXPECT_TRUE(track.geodetic);
+    EXPECT_EQ(track.name, "Ring");
+    EXPECT_EQ(track.lanes, 3);
+    ASSERT_EQ(track.points.size(), 2u);
+    EXPECT_NEAR(track.points[0].x, 9, 1e-9);
+    EXPECT_EQ(track.points[1].height_m, 320);
+    EXPECT_EQ(track.points[1].width_m, 10.5);
+  }
 }
 
 TEST(Vector, WhatGdalCannotReadIsAnError) {
@@ -193,7 +239,7 @@ TEST(Vector, WhatGdalCannotReadIsAnError) {
       R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"LineString","coordinates":[[1,2],[3)";
   for (const std::string& text : {cut, std::string("not json"), std::string("{}"),
                                   std::string(R"({"type":"FeatureCollection","features":[]})")}) {
-    const auto tracks = read_vector(folder.put("bad.geojson", text), diagnostics);
+    const auto tracks = read_vector(folder.put("bad.geojson", text), {}, diagnostics);
     ASSERT_FALSE(tracks.ok()) << text;
     EXPECT_EQ(tracks.error().file, folder.path("bad.geojson"));
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
@@ -253,6 +254,47 @@ TEST(RoadIndex, PointsThatAreNoneHaveNoRoad) {
     RoadHint hint{at};
     EXPECT_NEAR(index.to_road(glm::dvec2(10, 1), 1, &hint)->t_m, 1, 1e-9);
     EXPECT_EQ(hint.at.road, 0u);
+  }
+}
+
+// A road around a circle, of segments from 1 cm to 40 m in runs of equal ones: hundreds begin where the road's mean length
+// has one begin, and none where it has many.
+TEST(RoadIndex, EveryJointOfSegmentsOfManyLengthsIsFound) {
+  constexpr double kRadius_m = 1000;
+  Network network;
+  Road& road = network.roads.emplace_back();
+  const auto place = [&](double angle) { return kRadius_m * glm::dvec2(std::cos(angle), std::sin(angle)); };
+  double angle = 0;
+  for (const auto& [length, count] : {std::pair(0.01, 300), std::pair(40.0, 60), std::pair(0.1, 700),
+                                      std::pair(3.0, 40), std::pair(0.01, 5), std::pair(40.0, 80)}) {
+    for (int i = 0; i < count; ++i) {
+      const double next = angle + length / kRadius_m, quarter = std::numbers::pi / 2;
+      road.segments.push_back(make_segment(place(angle), place(next), angle + quarter, next + quarter, 3.5));
+      angle = next;
+    }
+  }
+  chain_arc_lengths(road);
+  two_lane_sections(road);
+  const RoadIndex index(network);
+  const auto check = [&](double s) {
+    const RoadPose found = index.to_world({0, s, 1.5}), due = pose_at(road, s, 1.5);
+    ASSERT_LT(glm::distance(found.position_m, due.position_m), 1e-9) << s;
+    ASSERT_LT(std::abs(std::remainder(found.heading_rad - due.heading_rad, 2 * std::numbers::pi)), 1e-12) << s;
+    ASSERT_LE(found.heading_rad, std::numbers::pi) << s;
+    ASSERT_GT(found.heading_rad, -std::numbers::pi) << s;
+    ASSERT_NEAR(found.curvature_per_m, due.curvature_per_m, 1e-9) << s;
+  };
+  for (const Segment& segment : road.segments) {
+    for (const double off_m : {-1e-3, -1e-12, 0.0, 1e-12, 1e-3}) check(segment.s_start_m + off_m);
+    check(segment.s_start_m + 0.5 * segment.arc_m);
+  }
+  check(road.length_m());
+  std::array<RoadPlace, 100> places;
+  std::array<RoadPose, 100> poses;
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = {0, road.length_m() * static_cast<double>(i) / 99, -1};
+  index.to_world(places, poses);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    EXPECT_EQ(poses[i].position_m, index.to_world(places[i]).position_m) << i;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <gdal_priv.h>
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
@@ -256,6 +257,97 @@ TEST(Elevation, ReadsSrtmOfMonacoFromItsZip) {
 TEST(Elevation, ReadsSrtmOfSchleizFromItsZip) {
   // The market place, about 440 m.
   expect_srtm("N50E011.hgt.zip", {11.8111, 50.5789}, 400, 480, 8);
+}
+
+// An image of bytes, bands side by side, through GDAL.
+std::string write_image(const std::string& path, const char* driver, int size, int bands,
+                        const std::function<std::array<int, 4>(int column, int row)>& pixel) {
+  GDALAllRegister();
+  GDALDriver* memory = GetGDALDriverManager()->GetDriverByName("MEM");
+  GDALDataset* image = memory->Create("", size, size, bands, GDT_Byte, nullptr);
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const std::array<int, 4> value = pixel(column, row);
+      for (int band = 0; band < bands; ++band) {
+        auto byte = static_cast<std::uint8_t>(value[static_cast<std::size_t>(band)]);
+        EXPECT_EQ(
+            image->GetRasterBand(band + 1)->RasterIO(GF_Write, column, row, 1, 1, &byte, 1, 1, GDT_Byte, 0, 0, nullptr),
+            CE_None);
+      }
+    }
+  }
+  GDALClose(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(path.c_str(), image, FALSE, nullptr, nullptr,
+                                                                        nullptr));
+  GDALClose(image);
+  return path;
+}
+
+TEST(Elevation, ColoursOfMapTilesAreHeights) {
+  // The tile of zoom 12 that holds Monaco; west, south, east, north in degrees by the Mercator formulas.
+  const int z = 12, x = 2132, y = 1494, size = 64;
+  const std::string top = scratch_folder(), folder = top + "/tiles/12/2132";
+  std::filesystem::create_directories(folder);
+  const double n = std::exp2(z), west = x / n * 360 - 180, east = (x + 1) / n * 360 - 180;
+  const auto latitude = [&](double row) {
+    return std::atan(std::sinh(std::numbers::pi * (1 - 2 * row / n))) * 180 / std::numbers::pi;
+  };
+  const auto truth = [](int column, int row) { return -12.5 + 3.25 * column + 7.75 * row; };
+  const std::string path = folder + "/1494.png";
+  for (const HeightEncoding encoding : {HeightEncoding::kTerrainRgb, HeightEncoding::kTerrarium}) {
+    const bool rgb = encoding == HeightEncoding::kTerrainRgb;
+    write_image(path, "PNG", size, 4, [&](int column, int row) {
+      const double h = truth(column, row);
+      const int code = static_cast<int>(std::lround(rgb ? (h + 10000) * 10 : (h + 32768) * 256));
+      return std::array<int, 4>{code >> 16, (code >> 8) & 255, code & 255, column == 5 && row == 9 ? 0 : 255};
+    });
+    Diagnostics diagnostics;
+    const auto elevation = Elevation::open(path, &diagnostics, encoding);
+    ASSERT_TRUE(elevation) << elevation.error().text();
+    EXPECT_TRUE(elevation->is_geographic());
+    EXPECT_EQ(elevation->voids_filled(), 1u);
+    for (int row = 3; row < size; row += 12) {
+      for (int column = 2; column < size; column += 11) {
+        const double longitude = west + (east - west) * (column + 0.5) / size;
+        const double z_m = elevation->height_m({longitude, latitude(y + (row + 0.5) / size)});
+        EXPECT_NEAR(z_m, truth(column, row), rgb ? 0.051 : 0.003) << column << ", " << row;
+      }
+    }
+    const auto as_heights = Elevation::open(path);
+    ASSERT_FALSE(as_heights);
+    EXPECT_NE(as_heights.error().message.find("terrain-rgb"), std::string::npos);
+    const auto nowhere = Elevation::open(write_image(top + "/nowhere.png", "PNG", 4, 3,
+                                                     [](int, int) {
+                                                       return std::array<int, 4>{1, 2, 3, 0};
+                                                     }),
+                                         nullptr, encoding);
+    ASSERT_FALSE(nowhere);
+    EXPECT_NE(nowhere.error().message.find("where it lies"), std::string::npos);
+  }
+  const auto gray =
+      Elevation::open(write_ascii_grid(top + "/gray.asc", {0, 0}, 10, 5, 5, [](double, double) { return 1.0; }),
+                      nullptr, HeightEncoding::kTerrarium);
+  ASSERT_FALSE(gray);
+  EXPECT_FALSE(height_encoding_from_name("rgb"));
+}
+
+TEST(Elevation, AMosaicOfTilesIsOneModel) {
+  const std::string folder = scratch_folder();
+  const auto truth = [](double x, double y) { return 0.1 * x - 0.2 * y; };
+  const std::string left = write_ascii_grid(folder + "/left.asc", {0, 0}, 10, 20, 30, truth);
+  const std::string right = write_ascii_grid(folder + "/right.asc", {200, 0}, 10, 20, 30, truth);
+  const auto source = [](const std::string& file, int at) {
+    return "<SimpleSource><SourceFilename relativeToVRT='0'>" + file + "</SourceFilename><SourceBand>1</SourceBand>" +
+           "<SrcRect xOff='0' yOff='0' xSize='20' ySize='30'/><DstRect xOff='" + std::to_string(at) +
+           "' yOff='0' xSize='20' ySize='30'/></SimpleSource>";
+  };
+  std::ofstream(folder + "/both.vrt")
+      << "<VRTDataset rasterXSize='40' rasterYSize='30'><GeoTransform>-5, 10, 0, 295, 0, -10"
+         "</GeoTransform><VRTRasterBand dataType='Float32' band='1'>"
+      << source(left, 0) << source(right, 20) << "</VRTRasterBand></VRTDataset>";
+  const auto both = Elevation::open(folder + "/both.vrt");
+  ASSERT_TRUE(both) << both.error().text();
+  EXPECT_EQ(both->posts().columns, 40);
+  for (double x = 20; x < 380; x += 17) EXPECT_NEAR(both->height_m({x, 140}), truth(x, 140), 1e-3) << x;
 }
 
 TEST(Elevation, AGeotiffIsReadBackAsWritten) {

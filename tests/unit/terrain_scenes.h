@@ -101,4 +101,29 @@ inline std::string write_ascii_grid(const std::string& path, glm::dvec2 low, dou
   });
 }
 
+struct Clearance {
+  double min_m = 0, max_m = 0;
+  std::size_t samples = 0;
+};
+
+// Clearance by the road's own pose, not by the code under test: every step_m along and across.
+using Ground = std::function<double(glm::dvec2)>;
+inline Clearance independent_clearance(const Network& network, double step_m, const Ground& ground) {
+  Clearance c{1e300, -1e300, 0};
+  for (const Road& road : network.roads) {
+    for (double s = 0; s <= road.length_m(); s += step_m) {
+      const Segment& segment = road.segments[segment_at(road, s)];
+      const double w = segment.left_m.value(s - segment.s_start_m);
+      for (double t = -w; t <= w + 1e-9; t += step_m) {
+        const RoadPose pose = pose_at(road, s, std::min(t, w));
+        const double clearance = pose.position_m.z - ground(glm::dvec2(pose.position_m));
+        c.min_m = std::min(c.min_m, clearance);
+        c.max_m = std::max(c.max_m, clearance);
+        ++c.samples;
+      }
+    }
+  }
+  return c;
+}
+
 }  // namespace roadgen::testing

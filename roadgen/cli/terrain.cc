@@ -1,0 +1,107 @@
+// roadgen terrain: the ground levelled along the roads, as a GeoTIFF, and what is proven of it, as JSON.
+#include "terrain/terrain.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "roadgen/cli/command.h"
+#include "roadgen/export/atomic_file.h"
+#include "roadgen/import/opendrive.h"
+
+namespace roadgen::cli {
+namespace {
+
+constexpr const char* kName = "roadgen terrain";
+using Json = nlohmann::ordered_json;
+
+Json describe(const Elevation& elevation, const TerrainReport& report, const TerrainOptions& options) {
+  return {
+      {"clearance_min_m", report.clearance_min_m},
+      {"clearance_max_m", report.clearance_max_m},
+      {"clearance_max_at", {report.clearance_max_at_m.x, report.clearance_max_at_m.y}},
+      {"wanted_min_m", options.least_clearance_m},
+      {"wanted_max_m", options.most_clearance_m},
+      {"bridge_parts", report.bridge_parts},
+      {"bridge_m", report.bridge_m},
+      {"tunnel_parts", report.tunnel_parts},
+      {"tunnel_m", report.tunnel_m},
+      {"triangles_cut_for_tunnels", report.triangles_cut},
+      {"triangles_under_roads", report.triangles_under_roads},
+      {"too_deep_part", report.too_deep},
+      {"triangles_lowered", report.triangles_lowered},
+      {"lowered_max_m", report.lowered_max_m},
+      {"deepest_cut_m", report.deepest_cut_m},
+      {"highest_fill_m", report.highest_fill_m},
+      {"voids_filled", report.voids_filled},
+      {"vertical_datum", elevation.vertical_datum().empty() ? Json() : Json(elevation.vertical_datum())},
+      {"triangles", report.triangles},
+      {"vertices", report.vertices},
+      {"tiles", report.tiles},
+      {"spacing_m", report.spacing_m},
+      {"natural_spacing_m", report.natural_spacing_m},
+      {"area",
+       {{"low", {report.area.low_m.x, report.area.low_m.y}}, {"high", {report.area.high_m.x, report.area.high_m.y}}}},
+      {"seconds", report.seconds}};
+}
+
+}  // namespace
+
+int run_terrain(const Arguments& arguments) {
+  CLI::App app(
+      "Levels the ground along the roads, proves how far every carriageway lies above it, and writes it. Bridges leave "
+      "the "
+      "ground alone: it never comes nearer to them than --gap, but the greatest clearance is that outside of them. "
+      "Tunnels "
+      "keep the hill where it covers their vault by --cover; elsewhere they are cut open.",
+      kName);
+  std::string dem_path, network_path, output, encoding_name = "heights";
+  TerrainOptions options;
+  double post_m = 5;
+  app.add_option("DEM", dem_path, "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid")->required();
+  app.add_option("--dem-encoding", encoding_name, "What the pixels are: heights, terrain-rgb or terrarium")
+      ->capture_default_str();
+  app.add_option("NET", network_path, "OpenDRIVE file")->required();
+  app.add_option("-o,--output", output, "GeoTIFF of heights, longitude and latitude in WGS84; over tunnels the hill's");
+  app.add_option("--post", post_m, "Distance of the GeoTIFF's posts, m")->capture_default_str();
+  app.add_option("--margin", options.margin_m, "How far the ground reaches beyond the roads, m")->capture_default_str();
+  app.add_option("--spacing", options.spacing_m, "Distance of the mesh's posts under roads, m")->capture_default_str();
+  app.add_option("--gap", options.least_clearance_m, "Every carriageway lies above the ground by at least this, m")
+      ->capture_default_str();
+  app.add_option("--depth", options.most_clearance_m, "... and by at most this where the posts allow, m")
+      ->capture_default_str();
+  app.add_option("--shoulder", options.levelling.shoulder_m, "Level strip beside the carriageway, m")
+      ->capture_default_str();
+  app.add_option("--cover", options.levelling.cover_m, "Least height of a hill over a tunnel's vault, m")
+      ->capture_default_str();
+  app.add_option("--cut-slope", options.levelling.cut_slope, "Steepest cutting, height / width")->capture_default_str();
+  app.add_option("--fill-slope", options.levelling.fill_slope, "Steepest embankment")->capture_default_str();
+  if (const auto code = parse(app, arguments)) return *code;
+  if (!output.empty()) {
+    if (Status status = check_writable(output); !status) return fail(kName, status.error());
+  }
+
+  const Result<HeightEncoding> encoding = height_encoding_from_name(encoding_name);
+  if (!encoding) return fail(kName, encoding.error());
+  Diagnostics diagnostics;
+  const Result<Network> network = read_opendrive(network_path, &diagnostics);
+  if (!network) return fail(kName, network.error());
+  const Result<Elevation> elevation = Elevation::open(dem_path, &diagnostics, *encoding);
+  print_diagnostics(diagnostics, "");
+  if (!elevation) return fail(kName, elevation.error());
+  // Between the two, so that neither bound is reached without need.
+  options.levelling.gap_m = 0.7 * options.least_clearance_m + 0.3 * options.most_clearance_m;
+  ProgressLine progress;
+  options.progress = [&](double part) { progress.show(part, "terrain"); };
+  const Result<Terrain> terrain = Terrain::build(*network, &*elevation, options);
+  progress.clear();
+  if (!terrain) return fail(kName, terrain.error());
+  if (!output.empty()) {
+    if (Status status = write_terrain(*terrain, *network, post_m, output); !status) return fail(kName, status.error());
+  }
+  if (Status status = put_out(describe(*elevation, terrain->report(), options).dump(2) + "\n", ""); !status) {
+    return fail(kName, status.error());
+  }
+  return kExitDone;
+}
+
+}  // namespace roadgen::cli

@@ -1,0 +1,418 @@
+#include "terrain/plates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "roadgen/road/interval.h"
+#include "roadgen/road/junction.h"
+#include "roadgen/road/parallel.h"
+#include "terrain/clipped.h"
+
+namespace roadgen {
+namespace {
+
+using IntervalLib = glsl::Library<Interval>;
+
+constexpr double kLongest_m = 8, kShortest_m = 0.2;
+constexpr double kJunctionPart = 2;  // of the wanted error: intervals tell less of their surface
+constexpr double kJunctionPlate_m = 2, kShortestJunctionPlate_m = 0.5, kFinestJunctionBox_m = 0.07;  // half its side
+
+glm::dvec2 across(glm::dvec2 axis) { return {-axis.y, axis.x}; }
+
+Box box_of(const Plate& plate) {
+  const glm::dvec2 reach = plate.half_m.x * glm::abs(plate.axis) + plate.half_m.y * glm::abs(across(plate.axis));
+  return {glm::dvec3(plate.center_m - reach, 0), glm::dvec3(plate.center_m + reach, 0)};
+}
+
+Interval about(double middle, double radius) { return {middle - radius, middle + radius}; }
+
+// A stretch of one side of a road: s from the segment's start, n to the left of the reference line.
+struct Patch {
+  double s0, s1, n0, n1;
+  Patch part(int axis, double from, double to) const {
+    Patch p = *this;
+    double& low = axis == 0 ? p.s0 : p.n0;
+    double& high = axis == 0 ? p.s1 : p.n1;
+    const double size = high - low, start = low;
+    low = start + from * size;
+    high = start + to * size;
+    return p;
+  }
+};
+
+// The tangent of the segment where its exact arc length is within the patch's, and the bounds that rest on it.
+struct Stretch {
+  double u0, u1;       // of the chord parameter
+  Interval df;         // slope against the chord
+  Interval curvature;  // 1/m
+};
+
+Stretch stretch_of(const Segment& segment, double s0, double s1) {
+  const double length = segment.chord_length_m(), a = segment.slope_start, b = segment.slope_end;
+  // The segment's s is off the exact arc length by at most its arc error.
+  const double room = (segment.arc_error_m + 1e-9) / length;
+  Stretch st;
+  st.u0 = u_at_arc(segment, s0) - room;
+  st.u1 = u_at_arc(segment, s1) + room;
+  const double middle = 0.5 * (st.u0 + st.u1);
+  const Interval ddf = hull(Interval(Lib::road_ddf(st.u0, a, b)), Interval(Lib::road_ddf(st.u1, a, b)));  // linear
+  st.df = Interval(Lib::road_df(middle, a, b)) + ddf * about(0, 0.5 * (st.u1 - st.u0));
+  const Interval steep = Interval(1) + square(st.df);
+  st.curvature = ddf / (steep * sqrt(steep) * Interval(length));
+  return st;
+}
+
+// The surface with s counted from the middle of a stretch, where intervals about 0 keep its polynomials tight.
+IntervalLib::RoadSurface surface_about(const Segment& segment, double middle_s) {
+  const Cubic z = segment.elevation_m.shifted(middle_s), e = segment.superelevation_rad.shifted(middle_s);
+  IntervalLib::RoadSurface r;
+  r.z1 = z.c1, r.z2 = z.c2, r.z3 = z.c3;
+  r.e0 = e.c0, r.e1 = e.c1, r.e2 = e.c2, r.e3 = e.c3;
+  r.left0 = segment.crossfall_left.value(middle_s), r.left1 = segment.crossfall_left.c1;
+  r.right0 = segment.crossfall_right.value(middle_s), r.right1 = segment.crossfall_right.c1;
+  return r;
+}
+
+// The plate of a patch. The gradient of the surface is ahead / (1 - n curvature) along the tangent and aside across it;
+// how far these are from the plane's, along the way from the middle of the patch to any of its points (across, then along
+// the road), bounds how far the surface is from the plane. The picture's v and s are off the exact ones by their own
+// proven bounds, which count with the slopes.
+Plate plate_of(const Segment& segment, const Patch& p, double lowest_lane_m) {
+  const double s = 0.5 * (p.s0 + p.s1), n = 0.5 * (p.n0 + p.n1);
+  const double half_s = 0.5 * (p.s1 - p.s0), half_n = 0.5 * (p.n1 - p.n0);
+  const Stretch st = stretch_of(segment, p.s0, p.s1);
+  const Interval side(p.n0, p.n1);
+  const IntervalLib::SurfaceSlope slope = IntervalLib::surface_at(about(0, half_s), side, surface_about(segment, s));
+  Interval room = Interval(1) - side * st.curvature;
+  room.low = std::max(room.low, 0.05);  // narrower roads are refused; the shader keeps as much
+  room.high = std::max(room.high, room.low);
+  const Interval ahead = slope.ahead / room;
+  const double length = segment.chord_length_m();
+  const glm::dvec2 chord = segment.chord_m() / length;
+  const auto place = [&](double u, double offset) {
+    const double df = Lib::road_df(u, segment.slope_start, segment.slope_end), h = std::sqrt(1 + df * df);
+    const glm::dvec2 q = glm::dvec2(u, Lib::road_f(u, segment.slope_start, segment.slope_end)) * length +
+                         glm::dvec2(-df, 1) * (offset / h);
+    return segment.start_m + chord * q.x + across(chord) * q.y;
+  };
+  Plate plate;
+  const double middle_u = u_at_arc(segment, s);
+  const double df = Lib::road_df(middle_u, segment.slope_start, segment.slope_end), h = std::sqrt(1 + df * df);
+  plate.axis = (chord + across(chord) * df) / h;
+  // The rectangle about the four corners; between them the offset curves bend away from their chords by at most their
+  // length times what they turn by.
+  const double along_m = 2 * half_s * room.high;
+  const double bow = along_m * (st.df.high - st.df.low) + 2 * segment.arc_error_m + 1e-6;
+  glm::dvec2 low(1e300), high(-1e300);
+  const glm::dvec2 pivot = place(middle_u, n);
+  for (const double u : {st.u0, st.u1}) {
+    for (const double offset : {p.n0, p.n1}) {
+      const glm::dvec2 d = place(u, offset) - pivot;
+      const glm::dvec2 q(glm::dot(d, plate.axis), glm::dot(d, across(plate.axis)));
+      low = glm::min(low, q - bow);
+      high = glm::max(high, q + bow);
+    }
+  }
+  const glm::dvec2 shift = 0.5 * (low + high);
+  plate.half_m = 0.5 * (high - low);
+  plate.center_m = pivot + shift.x * plate.axis + shift.y * across(plate.axis);
+
+  // The plane has the surface's gradient in the middle of what it may be; axis and across are its frame there.
+  plate.slope = {ahead.middle(), slope.aside.middle()};
+  plate.z_m = surface_at(segment, s, n).height + glm::dot(plate.slope, shift) + lowest_lane_m;
+  // The tangent's direction in that frame.
+  const Interval tx = Interval(1) / sqrt(Interval(1) + square(st.df)), ty = st.df * tx;
+  const Interval along = Interval(1 / h) * (tx + Interval(df) * ty), aside = Interval(1 / h) * (ty - Interval(df) * tx);
+  const Interval off_along = ahead - (Interval(plate.slope.x) * along + Interval(plate.slope.y) * aside);
+  const Interval off_aside = slope.aside - (Interval(plate.slope.y) * along - Interval(plate.slope.x) * aside);
+  plate.error_m = off_along.magnitude() * half_s * room.high + off_aside.magnitude() * half_n +
+                  slope.ahead.magnitude() * (segment.s_bound_m() + 2 * segment.arc_error_m) +
+                  slope.aside.magnitude() * segment.v_bound_m() + 1e-9;
+  return plate;
+}
+
+void add_divided(const Segment& segment, const Patch& p, double lowest_lane_m, double wanted_m,
+                 std::vector<Plate>& plates) {
+  const Plate plate = plate_of(segment, p, lowest_lane_m);
+  const double along = p.s1 - p.s0, wide = p.n1 - p.n0;
+  const bool divide = along > kLongest_m || plate.error_m > wanted_m || plate.half_m.x > along;
+  if (!divide || std::max(along, wide) < kShortest_m) {
+    plates.push_back(plate);
+    return;
+  }
+  const int axis = along >= wide ? 0 : 1;
+  add_divided(segment, p.part(axis, 0, 0.5), lowest_lane_m, wanted_m, plates);
+  add_divided(segment, p.part(axis, 0.5, 1), lowest_lane_m, wanted_m, plates);
+}
+
+void add_part(const Segment& segment, const SupportedPart& part, double lowest_m, double wanted_m,
+              std::vector<Plate>& plates) {
+  const Cubic::Range left = segment.left_m.range(segment.arc_m), right = segment.right_m.range(segment.arc_m);
+  // n = t cos(superelevation) lies between t and 0.
+  const double n1 = std::max(left.high, 0.0), n0 = std::min(right.low, 0.0);
+  const double s1 = std::min(part.s1_m, segment.arc_m);
+  const std::size_t first = plates.size();
+  if (n1 > 0) add_divided(segment, {part.s0_m, s1, 0, n1}, lowest_m, wanted_m, plates);
+  if (n0 < 0) add_divided(segment, {part.s0_m, s1, n0, 0}, lowest_m, wanted_m, plates);
+  for (std::size_t i = first; i < plates.size(); ++i) plates[i].levelled = part.support == Support::kGround;
+}
+
+// One piece of a junction's surface over a small square: its weight, and how far it is from a plane.
+struct Piece {
+  Interval weight;
+  double weight_at = 0;  // at the middle
+  double off_at = 0;     // height over the plane there
+  double slope = 0;      // most difference of the gradients
+};
+
+// plane: height at the square's middle, and gradient. x, y from the junction's centre.
+Piece piece_of(const Lib::JunctionCut& c, glm::dvec2 middle, double half, glm::dvec3 plane) {
+  const double width = c.left - c.right, nx = (c.x0 - c.x1) / width, ny = (c.y0 - c.y1) / width;
+  const double reach = half * (std::abs(nx) + std::abs(ny));
+  const Interval ahead = about((middle.x - c.x1) * ny - (middle.y - c.y1) * nx, reach);
+  const Interval n = about((middle.x - c.x1) * nx + (middle.y - c.y1) * ny + c.right, reach);
+  const Interval beyond(n.low - std::clamp(n.low, c.right, c.left), n.high - std::clamp(n.high, c.right, c.left));
+  Piece piece;
+  piece.weight = Interval(width) / (square(ahead) + square(beyond) + Interval(1e-6));
+  Interval z_ahead = c.grade, z_n = c.tilt;
+  if (c.fall_left != 0 || c.fall_right != 0) {
+    const double both = c.fall_left + c.fall_right;
+    const Interval soft = square(ahead) / Interval(width), hair = square(soft) + Interval(1e-12);
+    const Interval at_right = sqrt(square(n - Interval(c.right)) + hair), at_middle = sqrt(square(n) + hair);
+    const Interval at_left = sqrt(square(n - Interval(c.left)) + hair);
+    // x / sqrt(x^2 + h) and soft / sqrt(x^2 + soft^2) lie within [-1, 1], whatever intervals make of them.
+    const auto part = [](Interval x, Interval root) { return clamp(x / root, -1, 1); };
+    z_n = z_n + Interval(0.5) *
+                    (Interval(c.fall_right) * part(n - Interval(c.right), at_right) -
+                     Interval(both) * part(n, at_middle) + Interval(c.fall_left) * part(n - Interval(c.left), at_left));
+    z_ahead = z_ahead + Interval(1 / width) * ahead *
+                            (Interval(c.fall_right) * part(soft, at_right) - Interval(both) * part(soft, at_middle) +
+                             Interval(c.fall_left) * part(soft, at_left));
+  }
+  const Interval gx = z_ahead * Interval(ny) + z_n * Interval(nx) - Interval(plane.x);
+  const Interval gy = z_n * Interval(ny) - z_ahead * Interval(nx) - Interval(plane.y);
+  piece.slope = std::hypot(gx.magnitude(), gy.magnitude());
+  const Lib::JunctionHeight at = Lib::junction_height_add_cut(Lib::junction_height_begin(), middle.x, middle.y, c);
+  piece.weight_at = at.w;
+  piece.off_at = at.z - plane.z;
+  return piece;
+}
+
+Piece piece_of(const Lib::JunctionCorner& c, glm::dvec2 middle, double half, glm::dvec3 plane) {
+  const double inverse = 1 / c.chord, reach = half * (std::abs(c.cx) + std::abs(c.cy)) * inverse;
+  const Interval px = about(((middle.x - c.x0) * c.cx + (middle.y - c.y0) * c.cy) * inverse, reach);
+  const Interval py = about(((middle.y - c.y0) * c.cx - (middle.x - c.x0) * c.cy) * inverse, reach);
+  const Interval u = clamp(px, 0, 1), du(u.low == px.low && u.high == px.high ? 1 : 0, u.high > u.low ? 1 : 0);
+  const Interval over(px.low - u.low, px.high - u.high);
+  const double um = u.middle();
+  const Interval near = about(0, u.radius());
+  const Interval ddf = hull(Interval(Lib::road_ddf(u.low, c.a, c.b)), Interval(Lib::road_ddf(u.high, c.a, c.b)));
+  const Interval df = Interval(Lib::road_df(um, c.a, c.b)) + ddf * near;
+  const Interval f = Interval(Lib::road_f(um, c.a, c.b)) + df * near;
+  const Interval off = py - f - df * over;
+  const Interval chord(c.chord), along_u = Interval(1) - du;
+  // ds/du of the quintic: within the spread of its own slope, here bounded by intervals about the middle of u.
+  const Interval darc = IntervalLib::road_darc(u, c.a, c.b, c.arc * inverse, c.c0, c.c1);
+  const Interval s = chord * (Interval(Lib::road_arc(um, c.a, c.b, c.arc * inverse, c.c0, c.c1)) + darc * near);
+  const Interval t = u * u * (Interval(3) - Interval(2) * u), dt = Interval(6) * u * (Interval(1) - u) * du;
+  const Interval along = Interval(c.along0) + Interval(c.along1 - c.along0) * t;
+  const Interval across_it = Interval(c.across0) + Interval(c.across1 - c.across0) * t;
+  Interval z_x = IntervalLib::road_dcubic(s, c.z1, c.z2, c.z3) * chord * darc * du +
+                 chord * (along * along_u + Interval(c.across1 - c.across0) * dt * (py - f) - across_it * df * du);
+  Interval z_y = chord * across_it;
+  if (c.fall0 != 0 || c.fall1 != 0) {
+    const Interval v = chord * off, level = Interval(3.5) / (Interval(3.5) + abs(v));
+    const Interval fall = Interval(c.fall0) + Interval(c.fall1 - c.fall0) * t;
+    z_x = z_x + Interval(c.fall1 - c.fall0) * dt * v * level - fall * square(level) * chord * df;
+    z_y = z_y + fall * square(level) * chord;
+  }
+  Piece piece;
+  piece.weight = Interval(c.arc) / (square(chord) * (square(off) + square(over)) + Interval(1e-6));
+  const Interval gx = (z_x * Interval(c.cx) - z_y * Interval(c.cy)) * Interval(inverse) - Interval(plane.x);
+  const Interval gy = (z_x * Interval(c.cy) + z_y * Interval(c.cx)) * Interval(inverse) - Interval(plane.y);
+  piece.slope = std::hypot(gx.magnitude(), gy.magnitude());
+  const Lib::JunctionHeight at = Lib::junction_height_add_corner(Lib::junction_height_begin(), middle.x, middle.y, c);
+  piece.weight_at = at.w;
+  piece.off_at = at.z - plane.z;
+  return piece;
+}
+
+// How far the surface may be from its tangent plane at the middle of a square. The surface is the mean of the pieces' by
+// their shares p, so over the plane it is the sum of p times each one's height over it, D. At the middle that is 0; so
+// elsewhere it is the sum of (p - p at the middle) D at the middle, and of p times what D has changed by.
+double off_plane_m(const JunctionSurface& surface, glm::dvec2 middle, double half, glm::dvec3 plane,
+                   std::vector<Piece>& pieces) {
+  pieces.clear();
+  for (const auto& cut : surface.cuts) pieces.push_back(piece_of(cut, middle, half, plane));
+  for (const auto& corner : surface.corners) pieces.push_back(piece_of(corner, middle, half, plane));
+  double low = 0, high = 0, at = 0;
+  for (const Piece& p : pieces) low += p.weight.low, high += p.weight.high, at += p.weight_at;
+  double off = 0, largest = 0;
+  for (const Piece& p : pieces) {
+    const double most = p.weight.high / (p.weight.high + (low - p.weight.low));
+    const double least = p.weight.low / (p.weight.low + (high - p.weight.high));
+    const double now = p.weight_at / at, reach = p.slope * std::numbers::sqrt2 * half;
+    off += std::max(most - now, now - least) * std::abs(p.off_at) + most * reach;
+    largest = std::max(largest, std::abs(p.off_at) + reach);
+  }
+  return std::min(off, largest) + 1e-9;  // no mean is beyond all its parts
+}
+
+// A square of a junction's area that a plate is tried for, and the plane: height at its middle, and gradient.
+struct Try {
+  const JunctionSurface& surface;
+  glm::dvec2 middle;
+  glm::dvec3 plane;
+  double wanted_m, give_up_m;
+  std::vector<Piece>& pieces;
+
+  // The greatest distance of the surface from the plane over a square within; infinite once it is seen that this is more
+  // than give_up_m.
+  double off_m(glm::dvec2 at, double half) const {
+    const JunctionPoint p = height_at(surface, glm::dvec2(surface.center_m) + at);
+    const glm::dvec3 tangent(p.gradient, p.height_m - surface.center_m.z);
+    const glm::dvec2 tilt = p.gradient - glm::dvec2(plane);
+    const double here = std::abs(tangent.z - plane.z - glm::dot(glm::dvec2(plane), at - middle));
+    if (here > give_up_m) return std::numeric_limits<double>::infinity();
+    const double off =
+        here + half * (std::abs(tilt.x) + std::abs(tilt.y)) + off_plane_m(surface, at, half, tangent, pieces);
+    if (off <= wanted_m || half <= kFinestJunctionBox_m) return off;
+    double most = 0;
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        most = std::max(most, off_m(at + half * glm::dvec2(x, y), 0.5 * half));
+        if (most > give_up_m) return most;
+      }
+    }
+    return std::min(most, off);
+  }
+};
+
+void add_square(const Junction& junction, const JunctionSurface& surface, glm::dvec2 middle, double half,
+                double wanted_m, std::vector<Plate>& plates, std::vector<Piece>& pieces) {
+  const glm::dvec2 world = glm::dvec2(surface.center_m) + middle;
+  // Distances are exact to first order only.
+  if (signed_distance_m(surface, world) < -2 * std::numbers::sqrt2 * half - junction.underlap_m) return;
+  const bool divisible = 2 * half > kShortestJunctionPlate_m;
+  const JunctionPoint at = height_at(surface, world);
+  const double off = Try{surface,
+                         middle,
+                         {at.gradient, at.height_m - surface.center_m.z},
+                         wanted_m,
+                         divisible ? wanted_m : std::numeric_limits<double>::infinity(),
+                         pieces}
+                         .off_m(middle, half);
+  if (off > wanted_m && divisible) {
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        add_square(junction, surface, middle + half * glm::dvec2(x, y), 0.5 * half, wanted_m, plates, pieces);
+      }
+    }
+    return;
+  }
+  plates.push_back(
+      {.center_m = world, .half_m = {half, half}, .z_m = at.height_m, .slope = at.gradient, .error_m = off});
+}
+
+void add_junction(const Junction& junction, double wanted_m, std::vector<Plate>& plates) {
+  const JunctionSurface surface = junction_surface(junction);
+  const glm::dvec2 low = glm::dvec2(surface.low_m) - junction.underlap_m;
+  const glm::ivec2 count(glm::ceil((glm::dvec2(surface.high_m) + junction.underlap_m - low) / kJunctionPlate_m));
+  std::vector<Piece> pieces;
+  for (int i = 0; i < count.x; ++i) {
+    for (int j = 0; j < count.y; ++j) {
+      add_square(junction, surface, low + kJunctionPlate_m * (glm::dvec2(i, j) + 0.5), 0.5 * kJunctionPlate_m, wanted_m,
+                 plates, pieces);
+    }
+  }
+}
+
+}  // namespace
+
+double lowest_lane_m(const Road& road, const Segment& segment) {
+  double lowest = 0;
+  if (segment.section >= road.sections.size()) return lowest;
+  for (const auto* side : {&road.sections[segment.section].left, &road.sections[segment.section].right}) {
+    for (const Lane& lane : *side) lowest = std::min({lowest, lane.inner_height_m, lane.outer_height_m});
+  }
+  return lowest;
+}
+
+double Plate::height_m(glm::dvec2 point_m) const {
+  const glm::dvec2 d = point_m - center_m;
+  return z_m + slope.x * glm::dot(d, axis) + slope.y * glm::dot(d, across(axis));
+}
+
+Plates::Plates(const Network& network, const Supports& supports, double wanted_error_m) {
+  const std::vector<bool> in_area = roads_in_areas(network);
+  const std::size_t roads = network.roads.size();
+  std::vector<std::vector<Plate>> parts(roads + network.junctions.size());
+  for_chunks(parts.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    if (i >= roads) {
+      add_junction(network.junctions[i - roads], kJunctionPart * wanted_error_m, parts[i]);
+      const bool levelled = supports.of_junction(i - roads) == Support::kGround;
+      for (Plate& plate : parts[i]) plate.levelled = levelled;
+    } else if (!in_area[i]) {
+      const Road& road = network.roads[i];
+      for (SegmentRef at{static_cast<std::uint32_t>(i), 0}; at.segment < road.segments.size(); ++at.segment) {
+        const Segment& segment = road.segments[at.segment];
+        for (const SupportedPart& part : supports.of(network, at)) {
+          if (part.support == Support::kTunnel) continue;
+          add_part(segment, part, lowest_lane_m(road, segment), wanted_error_m, parts[i]);
+        }
+      }
+    }
+  });
+  for (const std::vector<Plate>& part : parts) plates_.insert(plates_.end(), part.begin(), part.end());
+  std::vector<Box> boxes;
+  boxes.reserve(plates_.size());
+  for (const Plate& plate : plates_) boxes.push_back(box_of(plate));
+  tree_ = BoxTree(boxes);
+}
+
+void Plates::find_levelled(const std::function<double(glm::dvec2)>& ground_m, double below_m) {
+  for_each_index(plates_.size(), [&](std::size_t i) {
+    Plate& plate = plates_[i];
+    if (!plate.levelled) return;
+    const glm::dvec2 along = 0.9 * plate.half_m.x * plate.axis, aside = 0.9 * plate.half_m.y * across(plate.axis);
+    for (const glm::dvec2 d : {glm::dvec2(0), along + aside, along - aside, aside - along, -along - aside}) {
+      const glm::dvec2 p = plate.center_m + d;
+      plate.levelled = plate.levelled && plate.height_m(p) - ground_m(p) <= below_m;
+    }
+  });
+}
+
+ClearanceBounds Plates::over(const std::array<glm::dvec3, 3>& triangle) const {
+  ClearanceBounds found;
+  const auto [a, b, c] = triangle;
+  const Box about{glm::dvec3(glm::dvec2(glm::min(a, glm::min(b, c))), 0),
+                  glm::dvec3(glm::dvec2(glm::max(a, glm::max(b, c))), 0)};
+  tree_.search(about, {.reach_m = 0}, [&](std::uint32_t item) {
+    const Plate& plate = plates_[item];
+    // Into the plate's frame, z being the plane's height over the triangle's.
+    std::array<glm::dvec3, 3> local;
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec2 d = glm::dvec2(triangle[i]) - plate.center_m;
+      const glm::dvec2 q(glm::dot(d, plate.axis), glm::dot(d, across(plate.axis)));
+      local[i] = {q, plate.z_m + glm::dot(plate.slope, q) - triangle[i].z};
+    }
+    Clipped polygon(local);
+    polygon.clip({1, 0, 0}, plate.half_m.x);
+    polygon.clip({-1, 0, 0}, plate.half_m.x);
+    polygon.clip({0, 1, 0}, plate.half_m.y);
+    polygon.clip({0, -1, 0}, plate.half_m.y);
+    for (const glm::dvec3& p : polygon) {
+      found.least_m = std::min(found.least_m, p.z - plate.error_m);
+      if (!plate.levelled) continue;
+      found.most_m = std::max(found.most_m, p.z + plate.error_m);
+      found.error_m = std::max(found.error_m, plate.error_m);
+    }
+  });
+  return found;
+}
+
+}  // namespace roadgen

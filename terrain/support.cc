@@ -1,0 +1,201 @@
+#include "terrain/support.h"
+
+#include <algorithm>
+#include <array>
+
+namespace roadgen {
+namespace {
+
+// Parts whose ends lie nearer to one another, or to a joint, than this meet there.
+constexpr double kMeet_m = 1e-3;
+constexpr double kRounding_m = 1e-6;  // of joints
+
+// Of a segment on the ground as a whole: by whether its road starts and ends with it.
+constexpr std::array<SupportedPart, 4> whole_parts() {
+  std::array<SupportedPart, 4> all;
+  for (int i = 0; i < 4; ++i) {
+    all[static_cast<std::size_t>(i)] = {.s1_m = 1e300, .starts_here = (i & 1) != 0, .ends_here = (i & 2) != 0};
+  }
+  return all;
+}
+constexpr std::array<SupportedPart, 4> kWhole = whole_parts();
+
+// s within the road, moved to the nearest joint of the road or end of it where that is next to it.
+double snapped_m(const Road& road, double s_m) {
+  s_m = std::clamp(s_m, 0.0, road.length_m());
+  const Segment& segment = road.segments[segment_at(road, s_m)];
+  for (const double joint : {segment.s_start_m, segment.s_start_m + segment.arc_m}) {
+    if (std::abs(s_m - joint) < kMeet_m) return joint;
+  }
+  return s_m;
+}
+
+bool is_on_bridge(const std::vector<Bridge>& bridges, double s_m) {
+  return std::any_of(bridges.begin(), bridges.end(),
+                     [&](const Bridge& b) { return b.s_start_m <= s_m + kMeet_m && s_m - kMeet_m <= b.s_end_m; });
+}
+
+// The road as a row of parts without gaps: on the ground but for the given ones, of which later ones win.
+std::vector<Supports::Part> parts_of(const Road& road, const std::vector<Supports::Part>& raised) {
+  std::vector<double> ends = {0, road.length_m()};
+  for (const Supports::Part& part : raised) ends.insert(ends.end(), {part.s_start_m, part.s_end_m});
+  std::sort(ends.begin(), ends.end());
+  std::vector<Supports::Part> parts;
+  for (const double end : ends) {
+    const double from = parts.empty() ? 0 : parts.back().s_end_m, middle = 0.5 * (from + end);
+    if (end - from <= kMeet_m) continue;
+    Support support = Support::kGround;
+    for (const Supports::Part& part : raised) {
+      if (part.s_start_m < middle && middle < part.s_end_m) support = part.support;
+    }
+    if (!parts.empty() && parts.back().support == support) {
+      parts.back().s_end_m = end;
+    } else {
+      parts.push_back({support, from, end});
+    }
+  }
+  if (parts.empty()) parts.push_back({Support::kGround, 0, 0});
+  parts.back().s_end_m = road.length_m();
+  return parts;
+}
+
+// Whether the carriageway is within the walls of a tunnel's piece everywhere from s0 to s1 from its segment's start.
+bool is_within_walls(const Road& road, const SweepPart& piece, double s0, double s1) {
+  const Segment& segment = road.segments[piece.segment];
+  const double half = std::get<Tunnel>(road.sweeps[piece.sweep].shape).half_width_m + kMeet_m;
+  const Cubic axis{piece.piece.path.n0, piece.piece.path.n1, 0, 0};
+  return (segment.left_m - axis).shifted(s0).range(s1 - s0).high <= half &&
+         (segment.right_m - axis).shifted(s0).range(s1 - s0).low >= -half;
+}
+
+// Whether the natural ground covers the vault of a tunnel's piece at s from its segment's start.
+bool is_covered(const Road& road, const SweepPart& piece, double s, const Grid& natural, double cover_m) {
+  const Segment& segment = road.segments[piece.segment];
+  const auto& tunnel = std::get<Tunnel>(road.sweeps[piece.sweep].shape);
+  const Lib::SweepPath& path = piece.piece.path;
+  const double axis = path.n0 + path.n1 * s;
+  const double crown = segment.elevation_m.c0 + Lib::road_cubic(s, path.z0, path.z1, path.z2, path.z3) +
+                       tunnel.wall_height_m + tunnel.arch_rise_m + tunnel.lining_m;
+  const double u = u_at_arc(segment, s), heading = heading_rad(segment, u);
+  for (const double side : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+    const double n = axis + side * (tunnel.half_width_m + tunnel.lining_m);
+    const glm::dvec2 at = position_m(segment, u) + n * glm::dvec2(-std::sin(heading), std::cos(heading));
+    if (!(sample_bicubic(natural, at) >= crown + cover_m)) return false;
+  }
+  return true;
+}
+
+// Appends where a piece is covered, seen every metre, to the hills before it.
+void add_hills(const Road& road, const SweepPart& piece, const Grid& natural, double cover_m,
+               std::vector<Supports::Part>& hills) {
+  const Segment& segment = road.segments[piece.segment];
+  const double from = arc_at(segment, piece.piece.u0), to = arc_at(segment, piece.piece.u1);
+  const int steps = std::max(1, static_cast<int>(std::ceil(to - from)));
+  const auto at = [&](int i) { return from + (to - from) * i / steps; };
+  bool before = is_covered(road, piece, from, natural, cover_m);
+  for (int i = 0; i < steps; ++i) {
+    const bool after = is_covered(road, piece, at(i + 1), natural, cover_m);
+    const double s0 = segment.s_start_m + at(i), s1 = segment.s_start_m + at(i + 1);
+    if (before && after && is_within_walls(road, piece, at(i), at(i + 1))) {
+      if (!hills.empty() && s0 - hills.back().s_end_m < kMeet_m) {
+        hills.back().s_end_m = s1;
+      } else {
+        hills.push_back({Support::kTunnel, s0, s1});
+      }
+    }
+    before = after;
+  }
+}
+
+}  // namespace
+
+Supports::Supports(const Network& network, const Grid& natural, double cover_m, double least_m) {
+  first_.assign(network.roads.size(), kPlain);
+  for (std::size_t i = 0; i < network.roads.size(); ++i) {
+    const Road& road = network.roads[i];
+    if (road.segments.empty()) continue;
+    std::vector<Part> raised;
+    for (const Bridge& bridge : road.bridges) {
+      if (!(bridge.s_end_m > bridge.s_start_m)) continue;
+      raised.push_back({Support::kBridge, snapped_m(road, bridge.s_start_m), snapped_m(road, bridge.s_end_m)});
+    }
+    add_tunnels(road, natural, cover_m, least_m, raised);
+    if (raised.empty()) continue;
+    first_[i] = static_cast<std::uint32_t>(segments_.size());
+    cut(road, parts_of(road, raised));
+  }
+  const RoadsById by_id = roads_by_id(network);
+  for (const Junction& junction : network.junctions) {
+    const bool on_bridges = std::all_of(junction.arms.begin(), junction.arms.end(), [&](const JunctionArm& arm) {
+      const auto found = by_id.find(arm.road);
+      if (found == by_id.end()) return false;
+      const Road& road = network.roads[found->second];
+      return is_on_bridge(road.bridges, arm.at_end ? road.length_m() : 0);
+    });
+    junctions_.push_back(on_bridges && !junction.arms.empty() ? Support::kBridge : Support::kGround);
+  }
+}
+
+// The hills over a road's tunnels, and the hollows in them.
+void Supports::add_tunnels(const Road& road, const Grid& natural, double cover_m, double least_m,
+                           std::vector<Part>& raised) {
+  for (std::size_t k = 0; k < road.sweeps.size(); ++k) {
+    if (road.sweeps[k].kind() != SweepKind::kTunnel) continue;
+    std::vector<SweepPart> pieces = sweep_parts(road, k);
+    const auto start_m = [&](const SweepPart& p) {
+      return road.segments[p.segment].s_start_m + arc_at(road.segments[p.segment], p.piece.u0);
+    };
+    std::sort(pieces.begin(), pieces.end(),
+              [&](const SweepPart& a, const SweepPart& b) { return start_m(a) < start_m(b); });
+    std::vector<Part> hills;
+    for (const SweepPart& piece : pieces) add_hills(road, piece, natural, cover_m, hills);
+    for (Part& hill : hills) {
+      hill.s_start_m = snapped_m(road, hill.s_start_m);
+      hill.s_end_m = snapped_m(road, hill.s_end_m);
+      const bool all = hill.s_start_m == 0 && hill.s_end_m == snapped_m(road, road.length_m());
+      if (!all && hill.s_end_m - hill.s_start_m < least_m) continue;
+      raised.push_back(hill);
+      for (const SweepPart& piece : pieces) add_hollows(road, piece, hill.s_start_m, hill.s_end_m, hollows_);
+    }
+  }
+}
+
+void Supports::cut(const Road& road, const std::vector<Part>& parts) {
+  const bool goes_around = road.closed && parts.front().support == parts.back().support;
+  for (const Part& part : parts) {
+    ++count_[static_cast<std::size_t>(part.support)];
+    length_m_[static_cast<std::size_t>(part.support)] += part.s_end_m - part.s_start_m;
+  }
+  for (const Segment& segment : road.segments) {
+    const double s0 = segment.s_start_m, s1 = s0 + segment.arc_m;
+    const auto first = static_cast<std::uint32_t>(stretches_.size());
+    for (const Part& part : parts) {
+      double from = std::max(part.s_start_m, s0), to = std::min(part.s_end_m, s1);
+      if (!(to - from > 0.5 * std::min(kMeet_m, segment.arc_m))) continue;
+      // Joints as the neighbours have them may differ by rounding.
+      const bool at_start = part.s_start_m > s0 - kRounding_m, at_end = part.s_end_m < s1 + kRounding_m;
+      if (from < s0 + kRounding_m) from = s0;
+      if (to > s1 - kRounding_m) to = s1;
+      stretches_.push_back({.support = part.support,
+                            .s0_m = from - s0,
+                            .s1_m = to == s1 ? segment.arc_m : to - s0,
+                            .u0 = from == s0 ? 0 : u_at_arc(segment, from - s0),
+                            .u1 = to == s1 ? 1 : u_at_arc(segment, to - s0),
+                            .starts_here = at_start && !(goes_around && part.s_start_m <= 0),
+                            .ends_here = at_end && !(goes_around && part.s_end_m >= road.length_m())});
+    }
+    segments_.push_back({first, static_cast<std::uint32_t>(stretches_.size()) - first});
+  }
+}
+
+std::span<const SupportedPart> Supports::of(const Network& network, SegmentRef at) const {
+  if (at.road < first_.size() && first_[at.road] != kPlain) {
+    const Range range = segments_[first_[at.road] + at.segment];
+    return {stretches_.data() + range.first, range.count};
+  }
+  const Road& road = network.roads[at.road];
+  const bool first = !road.closed && at.segment == 0, last = !road.closed && at.segment + 1 == road.segments.size();
+  return {&kWhole[(first ? 1u : 0u) + (last ? 2u : 0u)], 1};
+}
+
+}  // namespace roadgen

@@ -1,0 +1,133 @@
+// roadgen terrain: the JSON's claims against the road and the GeoTIFF it wrote, and models that cannot serve.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "roadgen/geodesy/local_frame.h"
+#include "roadgen/import/opendrive.h"
+#include "roadgen/road/network.h"
+#include "terrain/elevation.h"
+#include "tests/cli/run_program.h"
+
+namespace roadgen {
+namespace {
+
+using test::Outcome;
+using test::TemporaryFolder;
+
+const std::string kData = std::string(ROADGEN_SOURCE_DIR) + "/data/";
+
+class TerrainCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    ASSERT_EQ(test::roadgen({"import", kData + "pass.csv", "-o", net()}).code, 0);
+  }
+  static void TearDownTestSuite() { delete folder_; }
+  static std::string net() { return folder_->path("pass.xodr"); }
+
+  // Refused with this exit code and one line that holds the words; nothing is written.
+  static void expect_refused(const std::vector<std::string>& models, int code, const std::string& words) {
+    const std::string output = folder_->path("refused.tif");
+    std::vector<std::string> arguments = {"terrain"};
+    arguments.insert(arguments.end(), models.begin(), models.end());
+    arguments.insert(arguments.end(), {"-o", output});
+    const Outcome run = test::roadgen(arguments);
+    EXPECT_EQ(run.code, code) << run.err;
+    EXPECT_EQ(run.out, "");
+    ASSERT_FALSE(run.error_lines().empty());
+    EXPECT_NE(run.error_lines().back().find(words), std::string::npos) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(output));
+  }
+  // An ASCII grid of equal heights about a place in degrees.
+  static std::string grid(const std::string& name, double longitude, double latitude, int size,
+                          const std::string& value) {
+    std::string text = "ncols " + std::to_string(size) + "\nnrows " + std::to_string(size) + "\nxllcorner " +
+                       std::to_string(longitude) + "\nyllcorner " + std::to_string(latitude) +
+                       "\ncellsize 0.001\nNODATA_value -9999\n";
+    for (int i = 0; i < size * size; ++i) text += value + (i % size + 1 == size ? "\n" : " ");
+    return folder_->put(name, text);
+  }
+
+  static inline TemporaryFolder* folder_ = nullptr;
+};
+
+TEST_F(TerrainCommand, ProvesTheClearanceAndWritesTheGround) {
+  const std::string output = folder_->path("terrain.tif");
+  const Outcome run = test::roadgen({"terrain", kData + "pass_dem.tif", net(), "-o", output, "--post", "4", "--margin",
+                                     "600", "--gap", "0.03", "--depth", "0.2"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_GE(json["clearance_min_m"].get<double>(), 0.03);
+  EXPECT_LE(json["clearance_max_m"].get<double>(), 0.2);
+  EXPECT_EQ(json["too_deep_part"], 0);
+  EXPECT_GT(json["triangles_under_roads"].get<int>(), 1000);
+
+  // The file lies where the road is: under its middle within what the posts' distance lets the ground bend.
+  const auto ground = Elevation::open(output);
+  ASSERT_TRUE(ground) << ground.error().text();
+  const auto network = read_opendrive(net());
+  ASSERT_TRUE(network);
+  const LocalFrame frame(*network->georeference);
+  const Road& road = network->roads[0];
+  double least = 1e9, most = -1e9;
+  for (double s = 0; s < road.length_m(); s += 20) {
+    const glm::dvec3 p = pose_at(road, s, 0).position_m;
+    const Geodetic at = frame.to_geodetic(p);
+    const double over = at.height_m - ground->height_m({at.longitude_deg, at.latitude_deg}, Interpolation::kBilinear);
+    least = std::min(least, over), most = std::max(most, over);
+  }
+  EXPECT_GT(least, -0.35);
+  EXPECT_LT(most, 0.6);
+}
+
+// A straight level road through a hill, in OpenDRIVE: a tunnel of 100 m, the hill 30 m over it.
+TEST_F(TerrainCommand, CountsTunnelsAndKeepsTheirHill) {
+  const std::string road = folder_->put("tunnel.xodr", R"(<?xml version="1.0"?>
+<OpenDRIVE><header revMajor="1" revMinor="7"/>
+<road id="1" length="400" junction="-1">
+<planView><geometry s="0" x="0" y="0" hdg="0" length="400"><line/></geometry></planView>
+<lanes><laneSection s="0"><center><lane id="0" type="none"/></center>
+<right><lane id="-1" type="driving"><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
+<objects><tunnel id="t" name="t" type="standard" s="150" length="100" lighting="0" daylight="0"/></objects>
+</road></OpenDRIVE>
+)");
+  std::string grid = "ncols 121\nnrows 81\nxllcenter -100\nyllcenter -200\ncellsize 5\n";
+  for (int row = 0; row < 81; ++row) {
+    for (int column = 0; column < 121; ++column) grid += std::abs(-100 + 5 * column - 200) < 50 ? "30 " : "0 ";
+    grid += "\n";
+  }
+  const std::string dem = folder_->put("hill.asc", grid);
+  const Outcome run = test::roadgen({"terrain", dem, road});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["tunnel_parts"], 1);
+  EXPECT_GT(json["tunnel_m"].get<double>(), 80);
+  EXPECT_LE(json["tunnel_m"].get<double>(), 100);
+  EXPECT_GT(json["triangles_cut_for_tunnels"].get<int>(), 5);
+  EXPECT_EQ(json["bridge_parts"], 0);
+  // Of the road outside of it.
+  EXPECT_LE(json["clearance_max_m"].get<double>(), 0.12);
+  EXPECT_LT(json["deepest_cut_m"].get<double>(), 30);
+  const Outcome open = test::roadgen({"terrain", dem, road, "--cover", "40"});
+  ASSERT_EQ(open.code, 0) << open.err;
+  EXPECT_EQ(nlohmann::json::parse(open.out)["tunnel_parts"], 0);
+}
+
+TEST_F(TerrainCommand, RefusesModelsThatCannotServe) {
+  expect_refused({folder_->path("none.tif"), net()}, 1, "no such elevation file");
+  expect_refused({folder_->put("text.tif", "heights"), net()}, 1, "not an elevation raster");
+  expect_refused({grid("elsewhere.asc", -70, 40, 40, "12"), net()}, 1, "but the roads need");
+  expect_refused({grid("void.asc", 10, 46, 40, "-9999"), net()}, 1, "only voids");
+  expect_refused({grid("nan.asc", 10, 46, 40, "nan"), net()}, 1, "");
+  expect_refused({grid("pixel.asc", 10, 46, 1, "5"), net()}, 1, "1 x 1 posts");
+  expect_refused({kData + "pass_dem.tif", net(), "--gap", "0.3", "--depth", "0.2"}, 2, "least clearance");
+  expect_refused({kData + "pass_dem.tif", net(), "--cover", "-1"}, 2, "cover not negative");
+  expect_refused({kData + "pass_dem.tif", net(), "--post", "0"}, 2, "post distance");
+}
+
+}  // namespace
+}  // namespace roadgen
