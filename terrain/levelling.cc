@@ -79,16 +79,18 @@ Grid distance_from_roads(const Network& network, const Grid& like) {
     }
   };
   const double step = 0.5 * std::min(like.step_m.x, like.step_m.y);
-  for (const Road& road : network.roads) {
-    for (const Segment& segment : road.segments) {
-      const int pieces = std::max(1, static_cast<int>(std::ceil(segment.arc_m / step)));
-      for (int i = 0; i <= pieces; ++i) {
-        const glm::dvec2 p = position_m(segment, static_cast<double>(i) / pieces);
-        const glm::dvec2 cell = glm::round((p - like.origin_m) / like.step_m);
-        offer(std::clamp(static_cast<int>(cell.x), 0, like.columns - 1),
-              std::clamp(static_cast<int>(cell.y), 0, like.rows - 1), p);
-      }
+  const auto offer_along = [&](const Segment& segment) {
+    const int pieces = std::max(1, static_cast<int>(std::ceil(segment.arc_m / step)));
+    for (int i = 0; i <= pieces; ++i) {
+      const glm::dvec2 p = position_m(segment, static_cast<double>(i) / pieces);
+      const glm::dvec2 cell = glm::round((p - like.origin_m) / like.step_m);
+      offer(std::clamp(static_cast<int>(cell.x), 0, like.columns - 1),
+            std::clamp(static_cast<int>(cell.y), 0, like.rows - 1), p);
     }
+  };
+  for (const Road& road : network.roads) std::ranges::for_each(road.segments, offer_along);
+  for (const Junction& junction : network.junctions) {
+    for (const std::vector<Segment>& corner : junction.corners) std::ranges::for_each(corner, offer_along);
   }
   const auto take = [&](int column, int row, int dx, int dy) {
     const int x = column + dx, y = row + dy;
@@ -120,21 +122,36 @@ Levelling::Levelling(const RoadIndex& index, const Grid& natural, const Levellin
       distance_(distance_from_roads(index.network(), natural)),
       supports_(index.network(), natural, options.cover_m, kLeastHill * options.shoulder_m) {
   std::vector<Sample> all;
+  // The middle of each piece of at most kSampleStep_m between two parameters.
+  const auto add_samples = [&](const Segment& segment, double u0, double u1, bool is_edge) {
+    const double size = u1 - u0;
+    const int pieces = std::max(1, static_cast<int>(std::ceil(size * segment.arc_m / kSampleStep_m)));
+    for (int i = 0; i < pieces; ++i) {
+      const double u = u0 + size * (i + 0.5) / pieces, local = arc_at(segment, u);
+      const double half_width = is_edge ? 0 : std::max(segment.left_m.value(local), -segment.right_m.value(local));
+      all.push_back({position_m(segment, u), segment.elevation_m.value(local) - options.gap_m, half_width});
+    }
+  };
   const std::vector<Road>& roads = index.network().roads;
   for (SegmentRef at{0, 0}; at.road < roads.size(); ++at.road) {
     for (at.segment = 0; at.segment < roads[at.road].segments.size(); ++at.segment) {
       const Segment& segment = index.segment(at);
       widest_m_ = std::max(widest_m_, segment.max_half_width_m());
       for (const SupportedPart& part : supports_.of(index.network(), at)) {
-        if (part.support != Support::kGround) continue;
-        const double size = part.u1 - part.u0;
-        const int pieces = std::max(1, static_cast<int>(std::ceil(size * segment.arc_m / kSampleStep_m)));
-        for (int i = 0; i < pieces; ++i) {
-          const double u = part.u0 + size * (i + 0.5) / pieces, local = arc_at(segment, u);
-          all.push_back({position_m(segment, u), segment.elevation_m.value(local) - options.gap_m,
-                         std::max(segment.left_m.value(local), -segment.right_m.value(local))});
-        }
+        if (part.support == Support::kGround) add_samples(segment, part.u0, part.u1, false);
       }
+    }
+  }
+  // Areas by their boundary: their arms may all be bridges but one.
+  const std::vector<Junction>& junctions = index.network().junctions;
+  for (std::size_t i = 0; i < junctions.size(); ++i) {
+    if (supports_.of_junction(i) != Support::kGround) continue;
+    for (const JunctionArm& arm : junctions[i].arms) {
+      widest_m_ = std::max({widest_m_, arm.left_m, -arm.right_m});
+      all.push_back({arm.position_m, arm.elevation_m - options.gap_m, std::max(arm.left_m, -arm.right_m)});
+    }
+    for (const std::vector<Segment>& corner : junctions[i].corners) {
+      for (const Segment& segment : corner) add_samples(segment, 0, 1, true);
     }
   }
   find_raised();
@@ -250,7 +267,7 @@ Levelling::Blend Levelling::blend(glm::dvec2 point_m) const {
       squares += w * z * z;
     }
   }
-  assert(weight > 0);  // the nearest road's own samples are within reach
+  assert(weight > 0);  // samples of the nearest road or area are within reach
   const double mean = sum / weight;
   return {reference + mean, std::sqrt(std::max(squares / weight - mean * mean, 0.0))};
 }

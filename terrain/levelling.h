@@ -32,7 +32,8 @@ struct LevellingOptions {
   double reach_m = 50;      // from here on, beyond the shoulder, the ground is natural in any case. > 0
 };
 
-// Distance in metres from the centre line of the nearest road at every post of a grid shaped like the given one.
+// Distance in metres from the nearest road's centre line or junction's corner at every post of a grid shaped like the
+// given one.
 // Accuracy: a post's diagonal. Cost: O(posts).
 Grid distance_from_roads(const Network& network, const Grid& like);
 
@@ -65,7 +66,7 @@ class Levelling {
     glm::dvec2 position_m;
     double z_m, half_width_m;
   };
-  // The heights of the roads around, weighted: mean and standard deviation.
+  // The heights of the roads and areas around, weighted: mean and standard deviation.
   struct Blend {
     double mean_m, deviation_m;
   };
@@ -94,7 +95,7 @@ class Levelling {
   std::vector<Raised> raised_;
   std::vector<JunctionSurface> surfaces_;  // of raised areas
   BoxTree raised_tree_, hollow_tree_;
-  // Road samples in square buckets, those of a bucket side by side: first_[b] to first_[b + 1].
+  // Samples of roads and areas in square buckets, those of a bucket side by side: first_[b] to first_[b + 1].
   glm::dvec2 bucket_origin_m_{0, 0};
   double bucket_m_ = 1;
   int bucket_columns_ = 0, bucket_rows_ = 0;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
+#include "terrain/levelling.h"
 #include "terrain/plates.h"
 #include "terrain/terrain.h"
 #include "tests/unit/terrain_scenes.h"
@@ -237,7 +238,30 @@ TEST(Terrain, AJunctionWhoseArmsAreAllOnBridgesStandsOverTheGround) {
   // One arm on the ground, and the area lies on it too.
   network.roads[1].bridges.clear();
   EXPECT_EQ(supports_of(network).of_junction(0), Support::kGround);
-  EXPECT_GT(build(network, &elevation).height_m({0, 0}), 509.8);
+  const Terrain ground = build(network, &elevation);
+  EXPECT_GT(ground.height_m({0, 0}), 509.8);
+  // Its fill falls to the plain on all sides, no steeper than fill stands, also where no road on the ground is about.
+  Grid plain;
+  plain.origin_m = {-200, -200};
+  plain.step_m = {5, 5};
+  plain.columns = plain.rows = 81;
+  plain.values.assign(81 * 81, 500);
+  const RoadIndex index(network);
+  const Levelling levelling(index, plain, {});
+  for (double x = -80; x <= 80; x += 0.5) {
+    for (double y = -80; y <= 80; y += 0.5) ASSERT_TRUE(std::isfinite(levelling.height_m({x, y}))) << x << " " << y;
+  }
+  for (int i = 0; i < 72; ++i) {
+    const double heading = i * kPi / 36;
+    double above = ground.height_m({0, 0});
+    for (double d = 1; d <= 42; d += 1) {
+      const double height = ground.height_m(d * glm::dvec2(std::cos(heading), std::sin(heading)));
+      ASSERT_GT(height, 499.8) << i << " " << d;
+      ASSERT_LT(std::abs(height - above), 1.2) << i << " " << d;
+      above = height;
+    }
+    EXPECT_TRUE(std::abs(heading - 2 * kPi / 3) < 0.8 || above < 500.5) << i << " " << above;
+  }
 }
 
 TEST(Terrain, WithoutElevationTheGroundDoesNotRiseToBridges) {
