@@ -108,10 +108,11 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   vec3 from = ray.from - vec3(0.0, 0.0, lift);
   vec3 toward = ray.toward;
   vec2 k = vec2(ray.wide.x, min(ray.wide.y, part.last - ray.reach));
+  vec2 own = part.beyond ? k : ray.k;
   // A thousandth of a pixel, or half a millimetre.
   float tolerance = max(5e-4, 0.001 * right.w * (ray.reach + k.x));
   RoadSearch search = surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, extent.x,
-                                     extent.z, part.beyond ? 0 : LOOK_ABOUT, ray.k.x, ray.k.y, r);
+                                     extent.z, part.beyond ? 0 : LOOK_ABOUT, own.x, own.y, r);
   RoadHit hit = search.hit;
   float pixel = right.w * (abs(right.z) + abs(up.z));
 #ifdef CHANNELS

