@@ -136,7 +136,8 @@ void main() {
 #else
   Room room = room_at(start, rise, 0.0, at_end, at_left);
 #ifdef CHANNELS
-  room.beyond = 1e-5;
+  // The rasterizer rounds corners to a part of a pixel, each segment's its own.
+  room.beyond = max(0.05 * room.beyond, 1e-5);
 #endif
 #endif
   float y = at_left ? in_box.y + room.beside : in_box.x - room.beside;

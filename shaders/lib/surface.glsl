@@ -302,6 +302,8 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
       }
       other = hit;
       side = above < 0.0 ? float(-1.0) : float(1.0);
+      // Neighbours overlap by the tolerance.
+      done = climb < 0.0 && hit.residual <= tolerance;
       task = gone ? kLast : kFollow;
       left = 40;
       k = gone ? k_last : hit.k + surface_free(abs(above), side * climb, above < 0.0 ? rises : falls);
@@ -329,7 +331,7 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
         done = left == 0;
         if (hit.k >= k_last) {
           gone = true;
-          done = aside || look == 0;
+          done = aside || look == 0 || hit.residual <= tolerance;
           task = kLast;
         }
       }
