@@ -147,21 +147,4 @@ glm::dvec2 Bisection::gradient(std::int32_t leaf) const {
   return glm::dvec2(to_left * right.y - to_right * left.y, to_right * left.x - to_left * right.x) / cross(left, right);
 }
 
-std::vector<std::int32_t> Bisection::leaves_of(glm::ivec2 tile) const {
-  const std::int32_t root = 2 * (tile.y * tiles_.x + tile.x);
-  std::vector<std::int32_t> stack{root, root + 1}, found;
-  while (!stack.empty()) {
-    const std::int32_t i = stack.back();
-    stack.pop_back();
-    const std::int32_t child = child_[static_cast<std::size_t>(i)];
-    if (child < 0) {
-      found.push_back(i);
-    } else {
-      stack.push_back(child);
-      stack.push_back(child + 1);
-    }
-  }
-  return found;
-}
-
 }  // namespace roadgen

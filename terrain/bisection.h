@@ -50,6 +50,18 @@ class Bisection {
       if (child_[i] < 0) visit(static_cast<std::int32_t>(i));
     }
   }
+  // And for every triangle that was halved.
+  template <class Visit>
+  void each_halved(Visit&& visit) const {
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      if (child_[i] >= 0) visit(static_cast<std::int32_t>(i));
+    }
+  }
+  std::size_t triangle_count() const { return triangles_.size(); }  // halved ones too
+  // The first of the two that a triangle was halved into: (middle; apex, left), after it (middle; right, apex). -1: a leaf.
+  std::int32_t child(std::int32_t i) const { return child_[static_cast<std::size_t>(i)]; }
+  // The first of a tile's two triangles, side by side.
+  std::int32_t root(glm::ivec2 tile) const { return 2 * (tile.y * tiles_.x + tile.x); }
   int finest() const { return 2 * k_; }  // level
 
   // The leaf that holds a place in lattice units, clamped to the rectangle. Cost: O(k).
@@ -60,8 +72,6 @@ class Bisection {
   // Its slope, per lattice unit.
   glm::dvec2 gradient(std::int32_t leaf) const;
 
-  // The leaves of one tile, in no particular order.
-  std::vector<std::int32_t> leaves_of(glm::ivec2 tile) const;
   glm::ivec2 tiles() const { return tiles_; }
   int cells() const { return 1 << k_; }  // of a tile, each way
 

@@ -15,6 +15,7 @@
 #include "roadgen/geodesy/local_frame.h"
 #include "roadgen/road/parallel.h"
 #include "terrain/bisection.h"
+#include "terrain/detail.h"
 #include "terrain/plates.h"
 
 namespace roadgen {
@@ -66,7 +67,8 @@ struct Terrain::Impl {
   std::vector<std::uint32_t> hollows_met(const std::array<glm::dvec3, 3>& triangle) const;
   const Hollow* hollow_above(glm::dvec3 point_m) const;
   void add_cuts(const std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>>& cut, TerrainMesh& out);
-  void emit(const Levelling& ground);
+  VertexDetail detail(const Plates& roads);
+  void emit(const Levelling& ground, const VertexDetail& detail);
   void tell(double fraction) const {
     if (options.progress) options.progress(fraction);
   }
@@ -317,7 +319,26 @@ void Terrain::Impl::add_cuts(const std::map<std::vector<std::uint32_t>, std::vec
   }
 }
 
-void Terrain::Impl::emit(const Levelling& ground) {
+// Coarser triangles may lie lower under the roads, where they deviate from the finest ones, but not higher; and what meets a
+// tunnel stays as it is.
+VertexDetail Terrain::Impl::detail(const Plates& roads) {
+  const auto is_sound = [&](std::int32_t i) {
+    const std::int32_t child = mesh->child(i);
+    for (const std::int32_t part : {child, child + 1}) {
+      if (mesh->child(part) < 0 && !hollows_met(corners(mesh->triangle(part))).empty()) return false;
+    }
+    const std::array<glm::dvec3, 3> t = corners(mesh->triangle(i));
+    return hollows_met(t).empty() && roads.over(t).least_m >= options.least_clearance_m;
+  };
+  VertexDetail detail = vertex_detail(*mesh, unit_m, is_sound);
+  report.triangles_coarsest = 2 * static_cast<std::size_t>(tile_count.x) * static_cast<std::size_t>(tile_count.y);
+  mesh->each_halved([&](std::int32_t i) {
+    report.triangles_coarsest += std::isinf(detail.error_m[mesh->triangle(mesh->child(i)).apex]);
+  });
+  return detail;
+}
+
+void Terrain::Impl::emit(const Levelling& ground, const VertexDetail& detail) {
   std::vector<std::uint32_t> local(mesh->vertices());
   std::vector<std::int32_t> seen(mesh->vertices(), -1);
   std::vector<glm::vec3> normals(mesh->vertices());
@@ -336,23 +357,37 @@ void Terrain::Impl::emit(const Levelling& ground) {
     const glm::ivec2 centre = place * mesh->cells() + mesh->cells() / 2;
     TerrainMesh out;
     out.origin_m = glm::dvec3(to_world(glm::dvec2(centre)), z0);
-    // Those that meet hollows, by which.
-    std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>> cut;
-    for (const std::int32_t leaf : mesh->leaves_of(place)) {
-      const Bisection::Triangle& t = mesh->triangle(leaf);
-      const std::vector<std::uint32_t> met = hollows_met(corners(t));
-      std::vector<std::uint32_t>& into = met.empty() ? out.triangles : cut[met];
-      for (const std::uint32_t v : {t.apex, t.left, t.right}) {
-        if (seen[v] != tile) {
-          seen[v] = tile;
-          local[v] = static_cast<std::uint32_t>(out.positions_m.size());
-          const glm::ivec2 p = mesh->lattice(v);
-          const glm::dvec2 flat = unit_m * glm::dvec2(p - centre);
-          out.positions_m.emplace_back(flat.x, flat.y, mesh->height(v) - z0);
-          out.normals.push_back(normals[v]);
-        }
-        into.push_back(local[v]);
+    const auto vertex = [&](std::uint32_t v) {
+      if (seen[v] != tile) {
+        seen[v] = tile;
+        local[v] = static_cast<std::uint32_t>(out.positions_m.size());
+        const glm::dvec2 flat = unit_m * glm::dvec2(mesh->lattice(v) - centre);
+        out.positions_m.emplace_back(flat.x, flat.y, mesh->height(v) - z0);
+        out.normals.push_back(normals[v]);
+        out.error_m.push_back(detail.error_m[v]);
+        out.radius_m.push_back(detail.radius_m[v]);
       }
+      return local[v];
+    };
+    // Leaves that meet hollows, by which.
+    std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>> cut;
+    // From coarse to fine; source[i] is what nodes[i] is in the mesh.
+    std::vector<std::int32_t> source{mesh->root(place), mesh->root(place) + 1};
+    out.nodes.resize(2);
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      const Bisection::Triangle& t = mesh->triangle(source[i]);
+      const std::array<std::uint32_t, 3> corner{vertex(t.apex), vertex(t.left), vertex(t.right)};
+      if (i < 2) out.roots[i] = corner;
+      if (const std::int32_t child = mesh->child(source[i]); child >= 0) {
+        out.nodes[i] = {static_cast<std::int32_t>(source.size()), vertex(mesh->triangle(child).apex)};
+        source.insert(source.end(), {child, child + 1});
+        out.nodes.resize(source.size());
+        continue;
+      }
+      const std::vector<std::uint32_t> met = hollows_met(corners(t));
+      out.nodes[i] = {met.empty() ? TerrainMesh::Node::kLeaf : TerrainMesh::Node::kCut, 0};
+      std::vector<std::uint32_t>& into = met.empty() ? out.triangles : cut[met];
+      into.insert(into.end(), corner.begin(), corner.end());
     }
     add_cuts(cut, out);
     tiles.push_back(std::move(out));
@@ -404,8 +439,10 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   impl->guarantee(roads);
   impl->find_hollows(ground.supports());
   impl->measure(network, ground.supports(), natural);
+  impl->tell(0.75);
+  const VertexDetail detail = impl->detail(roads);
   impl->tell(0.8);
-  impl->emit(ground);
+  impl->emit(ground, detail);
   impl->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return Terrain(std::move(impl));
 }

@@ -10,6 +10,7 @@
 // Source: Loviscach 2005, section 4 and figure 6.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -68,12 +69,24 @@ struct TerrainMesh {
   std::vector<Hollow> hollows;
   // How many of the indices in `triangles` come before those of the cuts.
   std::size_t whole() const { return cuts.empty() ? triangles.size() : cuts.front().first; }
+
+  // How `triangles` came about, from the tile's two halves on, for select_triangles() of terrain/detail.h; empty where
+  // there is one level of detail only.
+  struct Node {
+    static constexpr std::int32_t kLeaf = -1, kCut = -2;  // one of `triangles`; among those of the cuts
+    std::int32_t child;    // of two, side by side: (middle; apex, left), (middle; right, apex)
+    std::uint32_t middle;  // vertex, halfway from left to right
+  };
+  std::vector<Node> nodes;
+  std::array<std::array<std::uint32_t, 3>, 2> roots{};  // vertices of nodes[0] and nodes[1]: apex, left, right
+  std::vector<float> error_m, radius_m;                 // of the vertices, as in VertexDetail
 };
 
 struct TerrainReport {
   // Of the carriageways above the triangles, by bounds that hold everywhere, not by samples (terrain/plates.h). Least: at
-  // least least_clearance_m, of all carriageways. Greatest: of those that the ground is levelled to, which bridges and
-  // roads over others are not; more than most_clearance_m only where legs at different heights lie closer than the posts.
+  // least least_clearance_m, of all carriageways, at every level of detail. Greatest: of those that the ground is levelled
+  // to, which bridges and roads over others are not; more than most_clearance_m only where legs at different heights lie
+  // closer than the posts. Coarser levels come to more by at most what they deviate from the finest.
   double clearance_min_m = 0, clearance_max_m = 0;
   glm::dvec2 clearance_max_at_m{0, 0};    // a corner of the triangle where that is
   double too_deep = 0;                    // part of the triangles under roads that exceed most_clearance_m
@@ -89,6 +102,7 @@ struct TerrainReport {
   std::size_t triangles_cut = 0;  // that reach into these tunnels
   std::size_t voids_filled = 0;
   std::size_t triangles = 0, vertices = 0, tiles = 0;
+  std::size_t triangles_coarsest = 0;  // at the coarsest level that leaves every road above the ground
   double spacing_m = 0;          // of the mesh's posts under the carriageways, as used
   double natural_spacing_m = 0;  // of the posts that the natural ground was sampled at: 0.6 of the elevation's own,
                                  // more where the area is greater than 2048 of them

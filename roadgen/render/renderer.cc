@@ -14,6 +14,7 @@
 
 #include "roadgen/render/frustum.h"
 #include "roadgen/render/gl.h"
+#include "roadgen/render/ground_batch.h"
 #include "roadgen/render/junction_batch.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
@@ -38,70 +39,6 @@ glm::vec3 direction(double azimuth_deg, double elevation_deg) {
   return glm::dvec3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                     std::sin(elevation));
 }
-
-// The layout that shaders/terrain.frag declares.
-struct HollowInstance {
-  glm::vec4 start, shape, arc, axis, place, box, vault;
-};
-static_assert(sizeof(HollowInstance) == 112);
-
-HollowInstance instance(const Hollow& hollow, glm::dvec3 origin_m) {
-  const Lib::SweepPiece& p = hollow.piece;
-  const Lib::SweepPath& r = p.path;
-  return {glm::dvec4(hollow.start_m - origin_m, 0),
-          glm::dvec4(hollow.segment.chord_m(), r.a, r.b),
-          glm::dvec4(r.arc, r.c0, r.c1, p.profile.p4),
-          glm::dvec4(r.z0, r.z1, r.z2, r.z3),
-          glm::dvec4(r.n0, r.n1, p.u0, p.u1),
-          glm::dvec4(p.y0, p.y1, p.z0, p.z1),
-          glm::dvec4(p.profile.p0, p.profile.p1, p.profile.p2, 0)};
-}
-
-struct GroundBatch {
-  gl::VertexArray vertex_array;
-  gl::Buffer positions, normals, triangles, hollows;
-  GLsizei indices = 0;  // of the triangles that meet no tunnel
-  struct Cut {
-    GLsizei count;
-    std::size_t first;
-    GLuint hollow_first, hollow_count;
-  };
-  std::vector<Cut> cuts;
-  glm::dvec3 origin_m{0, 0, 0};
-  glm::vec3 center_m{0, 0, 0};  // of the bounding sphere, from the origin
-  float radius_m = 0;
-
-  void upload(const TerrainMesh& mesh) {
-    vertex_array = gl::VertexArray::create();
-    origin_m = mesh.origin_m;
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
-    for (const glm::vec3& p : mesh.positions_m) low = glm::min(low, p), high = glm::max(high, p);
-    center_m = 0.5f * (low + high);
-    radius_m = 0.5f * glm::length(high - low);
-    indices = static_cast<GLsizei>(mesh.whole());
-    if (mesh.triangles.empty()) return;
-    const auto buffer = [](const auto& data) {
-      return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(data[0])), data.data());
-    };
-    positions = buffer(mesh.positions_m);
-    normals = buffer(mesh.normals);
-    triangles = buffer(mesh.triangles);
-    std::vector<HollowInstance> met;
-    for (const TerrainMesh::Cut& cut : mesh.cuts) {
-      cuts.push_back({static_cast<GLsizei>(cut.count), cut.first, static_cast<GLuint>(met.size()),
-                      static_cast<GLuint>(cut.hollows.size())});
-      for (const std::uint32_t i : cut.hollows) met.push_back(instance(mesh.hollows[i], origin_m));
-    }
-    if (!met.empty()) hollows = buffer(met);
-    glVertexArrayElementBuffer(vertex_array.id(), triangles.id());
-    for (GLuint i = 0; i < 2; ++i) {
-      glVertexArrayVertexBuffer(vertex_array.id(), i, (i == 0 ? positions : normals).id(), 0, sizeof(glm::vec3));
-      glEnableVertexArrayAttrib(vertex_array.id(), i);
-      glVertexArrayAttribFormat(vertex_array.id(), i, 3, GL_FLOAT, GL_FALSE, 0);
-      glVertexArrayAttribBinding(vertex_array.id(), i, i);
-    }
-  }
-};
 
 // The programs of one kind of output.
 struct Programs {
@@ -182,13 +119,11 @@ struct Renderer::State {
   RoadTiles roads;
   JunctionBatch junctions;
   SweepBatch sweeps;
-  std::vector<GroundBatch> ground;
-  double ground_low_m = 0, ground_relief_m = 1;
+  GroundBatch ground;
   Lighting lighting;
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
-  void draw_ground(const Programs& programs, const Camera& camera, const Frustum& frustum);
   void draw_scene(const Programs& programs, const Camera& camera, int width, int height, double least_contribution);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   void show_ground_to_roads();
@@ -211,33 +146,10 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   u.up = glm::dvec4(axes.up, std::min<double>(camera.far_m, std::numeric_limits<float>::max()));
   u.sun = glm::vec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg),
                     static_cast<float>(lighting.haze_range_m));
-  u.ground = glm::dvec4(ground_low_m - camera.position_m.z, 1 / ground_relief_m, 0, 0);
+  u.ground = glm::dvec4(ground.low_m() - camera.position_m.z,
+                        1 / std::max(kLeastRelief_m, ground.high_m() - ground.low_m()), 0, 0);
   glNamedBufferSubData(frame_uniforms.id(), 0, sizeof u, &u);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
-}
-
-void Renderer::State::draw_ground(const Programs& programs, const Camera& camera, const Frustum& frustum) {
-  for (const bool at_tunnels : {false, true}) {
-    const Program& program = at_tunnels ? programs.ground_at_tunnels : programs.ground;
-    program.use();
-    for (const GroundBatch& batch : ground) {
-      if (at_tunnels ? batch.cuts.empty() : batch.indices == 0) continue;
-      const glm::dvec3 tile = batch.origin_m - camera.position_m;
-      if (!frustum.may_see(tile + glm::dvec3(batch.center_m), batch.radius_m)) continue;
-      glUniform3f(0, static_cast<float>(tile.x), static_cast<float>(tile.y), static_cast<float>(tile.z));
-      glBindVertexArray(batch.vertex_array.id());
-      if (!at_tunnels) {
-        glDrawElements(GL_TRIANGLES, batch.indices, GL_UNSIGNED_INT, nullptr);
-        continue;
-      }
-      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, batch.hollows.id());
-      for (const GroundBatch::Cut& cut : batch.cuts) {
-        glUniform2ui(1, cut.hollow_first, cut.hollow_count);
-        glDrawElements(GL_TRIANGLES, cut.count, GL_UNSIGNED_INT,
-                       reinterpret_cast<const void*>(cut.first * sizeof(std::uint32_t)));
-      }
-    }
-  }
 }
 
 void Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height,
@@ -251,7 +163,10 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   glDisable(GL_CULL_FACE);
 
   const Frustum frustum(camera, static_cast<double>(width) / height);
-  draw_ground(programs, camera, frustum);
+  const auto may_see = [&](glm::dvec3 center, double radius) { return frustum.may_see(center, radius); };
+  const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / height;
+  ground.draw(programs.ground, programs.ground_at_tunnels, camera.position_m, options.ground_error_pixels * pixel,
+              may_see);
   if (&programs == &picture) show_ground_to_roads();
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
@@ -271,8 +186,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   }
   roads.draw({camera, width, height, lighting.haze_range_m, least_contribution}, options.cull, programs.roads);
   // After the sky and the roads: thin cables fade over them.
-  sweeps.draw(programs.sweep, camera.position_m,
-              [&](glm::dvec3 center, double radius) { return frustum.may_see(center, radius); });
+  sweeps.draw(programs.sweep, camera.position_m, may_see);
   glBindVertexArray(0);
   glUseProgram(0);
 }
@@ -339,6 +253,9 @@ Result<Renderer> Renderer::create(Context& context, const RendererOptions& optio
   if (!(options.least_contribution >= 0 && options.least_contribution <= 1)) {
     return Error{ErrorCode::kUsage, "the least contribution must lie in [0, 1]"};
   }
+  if (!(options.ground_error_pixels >= 0)) {
+    return Error{ErrorCode::kUsage, "the error of the ground must be at least 0 pixels"};
+  }
   if (Status s = context.make_current(); !s) return s.error();
   auto picture = compile({});
   if (!picture) return picture.error();
@@ -388,21 +305,11 @@ RoadStatistics Renderer::road_statistics() const { return state_->roads.statisti
 
 Status Renderer::load_ground(std::span<const TerrainMesh> tiles) {
   if (Status s = state_->context.make_current(); !s) return s;
-  state_->ground.clear();
-  double low = std::numeric_limits<double>::max(), high = -low;
-  for (const TerrainMesh& tile : tiles) {
-    if (tile.triangles.empty()) continue;
-    state_->ground.emplace_back().upload(tile);
-    for (const glm::vec3& p : tile.positions_m) {
-      low = std::min(low, tile.origin_m.z + p.z);
-      high = std::max(high, tile.origin_m.z + p.z);
-    }
-  }
-  if (state_->ground.empty()) return Done{};
-  state_->ground_low_m = low;
-  state_->ground_relief_m = std::max(kLeastRelief_m, high - low);
+  state_->ground.upload(tiles);
   return Done{};
 }
+
+GroundStatistics Renderer::ground_statistics() const { return state_->ground.statistics(); }
 
 void Renderer::set_lighting(const Lighting& lighting) { state_->lighting = lighting; }
 

@@ -18,6 +18,7 @@
 #include "roadgen/render/image.h"
 #include "roadgen/render/road_instance.h"
 #include "roadgen/road/network.h"
+#include "terrain/detail.h"
 #include "terrain/terrain.h"
 
 namespace roadgen {
@@ -64,6 +65,9 @@ struct RendererOptions {
   // at most this part of full brightness even if roads covered all the ground there; TileIndex::contribution has the
   // derivation. 0: none is left out. In [0, 1]. Default: four steps of 8 bits, of which real roads take a fraction
   double least_contribution = 4.0 / 255;
+  // How far the ground's mesh may be off, in height, seen from the eye straight on: its triangles are joined within that,
+  // never so that one comes through a road (terrain/detail.h). 0: all are drawn. >= 0. Default: half a pixel
+  double ground_error_pixels = 0.5;
   // False: what lies outside of the view is drawn too, for comparison.
   bool cull = true;
 };
@@ -92,6 +96,7 @@ class Renderer {
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 124;
   RoadStatistics road_statistics() const;
+  GroundStatistics ground_statistics() const;
 
   // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
   Result<Frame> render(const Camera& camera, const FrameOptions& options);

@@ -382,10 +382,15 @@ TEST(Bisection, FindsTheLeafThatHoldsAPlaceAndStaysConforming) {
   ASSERT_TRUE(mesh.refine([&](const Bisection::Triangle& t) { return t.level < 3 || random() % 3 == 0; }, 100000));
   std::size_t leaves = 0;
   std::set<std::int32_t> all;
-  for (int y = 0; y < 2; ++y) {
-    for (int x = 0; x < 3; ++x) {
-      for (const std::int32_t leaf : mesh.leaves_of({x, y})) ++leaves, all.insert(leaf);
+  const auto add = [&](const auto& self, std::int32_t i) -> void {
+    if (mesh.child(i) < 0) {
+      ++leaves, all.insert(i);
+    } else {
+      self(self, mesh.child(i)), self(self, mesh.child(i) + 1);
     }
+  };
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 3; ++x) add(add, mesh.root({x, y})), add(add, mesh.root({x, y}) + 1);
   }
   EXPECT_EQ(leaves, mesh.leaves());
   EXPECT_EQ(all.size(), leaves);
