@@ -114,6 +114,23 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   RoadSearch search = surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, k.x, k.y, tolerance, extent.x,
                                      extent.z, part.beyond ? 0 : LOOK_ABOUT, own.x, own.y, r);
   RoadHit hit = search.hit;
+  bool found = search.met;
+#ifdef DETAILED
+  // What a face or a ramp shows lies between its levels, and these may be met over a joint: as if the segment went on.
+  for (int i = 0; i < 2 && !search.met && !part.beyond && ray.k.x <= ray.k.y; ++i) {
+    float above;
+    float climb;
+    RoadHit at = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, hit.k, hit.u, r, above, climb);
+    float onward = -above / climb;
+    found = climb < 0.0 && hit.k + onward >= ray.wide.x && hit.k + onward <= ray.wide.y &&
+            abs(onward) * extent.x < 0.2 * abs(climb);
+    if (!found) break;
+    at = surface_step(from.x, from.y, from.z, toward.x, toward.y, toward.z, hit.k + onward,
+                      clamp(at.u + onward * at.du, 0.0, 1.0), r, above, climb);
+    hit = at;
+    search.above = above;
+  }
+#endif
   float pixel = right.w * (abs(right.z) + abs(up.z));
 #ifdef CHANNELS
   bool crest = false;
@@ -167,6 +184,7 @@ Spot intersect(RoadSurface r, Ray ray, float lift, Part part) {
   }
 #endif
   spot.beyond = part.beyond;
+  spot.found = found;
   spot.on = (crest && spot.seen > 0.0) || (part.beyond ? search.met : within);
   spot.h = lift + search.above;
   return spot;

@@ -17,6 +17,7 @@ struct Spot {
   vec2 w_step;    // relative change of 1 / depth, likewise
   bool on;        // false: the ray leaves the segment before or after
   bool beyond;    // on: also over a joint
+  bool found;   // the ray gets to the level, if need be over a joint
   float seen;       // part of the pixel below the silhouette of the crest, 1 where there is none
   vec2 sink;        // change of the depth below the silhouette per pixel right and up, of which it shows `deep` at its middle
   float deep;
@@ -54,7 +55,8 @@ Spot spot_at(RoadSurface r, vec2 p, RoadCoord c, float s, vec3 position, vec2 si
   spot.h = 0.0;
   spot.p = p;
   spot.position = position;
-  spot.on = true;
+  spot.on = spot.found = true;
+  spot.beyond = false;
   spot.seen = 1.0;
   spot.sink = vec2(0.0);
   spot.deep = spot.crest = 1e9;

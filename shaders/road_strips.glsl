@@ -149,28 +149,37 @@ Spot spot_between(Spot spots[SPOTS], Corner near, Corner far) {
     // Which side of it the ray is on, at both levels.
     float g0 = (spot.h - near_h) * width - (spot.t - border) * rise;
     float g1 = (other.h - near_h) * width - (other.t - border) * rise;
-    // False position; on a straight road the first is exact.
+    // Not if it comes in or goes out over a joint in between.
+    bool met = (spot.found && other.found) || g0 * g1 <= 0.0;
+    // False position, an end that stays twice halved; on a straight road the first is exact.
     RoadSurface r = road_surface();
     Spot first = spot;
     float w0 = 0.0;
     float w1 = 1.0;
-    for (int i = 0; i < 4; ++i) {
+    float last = 0.0;
+    for (int i = 0; i < 6; ++i) {
       float w = abs(g0 - g1) < 1e-9 ? w0 : clamp(w0 + (w1 - w0) * g0 / (g0 - g1), w0, w1);
       spot.p = mix(first.p, other.p, w);
-      spot.s = mix(first.s, other.s, w);
       spot.h = mix(first.h, other.h, w);
       spot.position = mix(first.position, other.position, w);
-      spot.t = road_project(spot.p.x, spot.p.y, r.a, r.b).v * r.chord / cos(road_cubic(spot.s, r.e0, r.e1, r.e2, r.e3));
+      // Not between those of the two: in a bend both neighbours of a joint would take the place for the other's.
+      RoadCoord c = road_project(spot.p.x, spot.p.y, r.a, r.b);
+      spot.s = surface_s(c, spot.p.x, spot.p.y, r);
+      spot.t = c.v * r.chord / cos(road_cubic(spot.s, r.e0, r.e1, r.e2, r.e3));
       float g = (spot.h - near_h) * width - (spot.t - border_t(near, spot)) * rise;
+      bool again = g * last > 0.0;
       if (g * g0 > 0.0) {
         w0 = w;
         g0 = g;
+        if (again) g1 *= 0.5;
       } else {
         w1 = w;
         g1 = g;
+        if (again) g0 *= 0.5;
       }
+      last = g;
     }
-    spot.on = spot.beyond || ((spot.s >= -1e-3 || (ids.w & kOpenStart) != 0u) &&
+    spot.on = spot.beyond || (met && (spot.s >= -1e-3 || (ids.w & kOpenStart) != 0u) &&
                               (spot.s <= r.arc + 1e-3 || (ids.w & kOpenEnd) != 0u));
     spot.normal = abs(width) < 1e-6 ? vec3(side * spot.left, 0.0)
                                     : normalize(spot.normal - vec3(rise / width * spot.left, 0.0));

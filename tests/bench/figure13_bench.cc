@@ -35,7 +35,8 @@ struct Options {
 struct Method {
   std::string name;
   bool cookie_cut;
-  MeshMethod mesh;  // culling holds for both
+  MeshMethod mesh;      // culling holds for both
+  bool single = false;  // one copy, whatever the row: what this machine does at that time
 };
 
 std::vector<Method> methods() {
@@ -49,6 +50,7 @@ std::vector<Method> methods() {
   list.push_back({"cookie-cut, culled", true, {MeshMethod::kNoRoad, 0, true}});
   list.push_back({"1 degree, culled", false, {MeshMethod::kTurn, 0, true}});
   list.push_back({"level of detail, culled", false, {MeshMethod::kLevelOfDetail, 0, true}});
+  list.push_back({"one copy, cookie-cut, culled", true, {MeshMethod::kNoRoad, 0, true}, true});
   return list;
 }
 
@@ -69,6 +71,8 @@ Result<std::vector<double>> measure(Context& context, const BaseScene& scene, in
   if (!whole) return whole.error();
   auto culled = loaded_renderer(context, scene, origins, true);
   if (!culled) return culled.error();
+  auto single = loaded_renderer(context, scene, copy_origins(1), true);
+  if (!single) return single.error();
   auto mesh = MeshScene::create(scene, origins);
   if (!mesh) return mesh.error();
   const std::vector<Method> all = methods();
@@ -80,7 +84,7 @@ Result<std::vector<double>> measure(Context& context, const BaseScene& scene, in
       for (std::size_t i = 0; i < all.size(); ++i) {
         Status status = Done{};
         const double time = milliseconds(context, options.clock, [&] {
-          Renderer& renderer = all[i].mesh.culling ? *culled : *whole;
+          Renderer& renderer = all[i].single ? *single : (all[i].mesh.culling ? *culled : *whole);
           status = all[i].cookie_cut ? renderer.draw(camera, kWidth, kHeight, options.samples, target)
                                      : mesh->draw(camera, kWidth, kHeight, options.samples, target, all[i].mesh);
         });
@@ -155,7 +159,10 @@ Status run(const Options& options) {
       curves[i].x.push_back(n * n);
       curves[i].y.push_back((*times)[i]);
     }
-    std::printf("%s  cookie-cut / 1 degree %.2f\n", row.c_str(), (*times)[0] / (*times)[1]);
+    const auto ratio = [&](std::size_t i, std::size_t j) { return (*times)[i] / (*times)[j]; };
+    const std::size_t culled = kPaperTurns + 2;
+    std::printf("%s  cookie-cut / 1 degree %.2f; culled / level of detail %.2f, / one copy %.2f\n", row.c_str(),
+                ratio(0, 1), ratio(culled, culled + 2), ratio(culled, culled + 3));
     std::fflush(stdout);
   }
   if (options.out.empty()) return Done{};

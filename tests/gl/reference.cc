@@ -20,8 +20,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // One strip of a segment's cross section; strips and borders from right to left.
 struct Strip {
   Material material;
-  double height_m;
+  double right_m, left_m;  // heights of its sides
   bool driving;
+
+  bool is_level(double height_m) const { return right_m == height_m && left_m == height_m; }
 };
 
 struct SegmentTruth {
@@ -55,14 +57,15 @@ struct SegmentTruth {
   }
 
  private:
-  void add_strip(const Lane& lane) {
+  void add_strip(const Lane& lane, bool on_right) {
     const bool driving = lane.type == LaneType::kDriving || lane.type == LaneType::kBidirectional ||
                          lane.type == LaneType::kBus || lane.type == LaneType::kTaxi || lane.type == LaneType::kHov;
-    strips.push_back({lane.material, lane.inner_height_m, driving});
-    highest_m = std::max(highest_m, lane.inner_height_m);
+    const double inner = lane.inner_height_m, outer = lane.outer_height_m;
+    strips.push_back({lane.material, on_right ? outer : inner, on_right ? inner : outer, driving});
+    highest_m = std::max({highest_m, inner, outer});
   }
-  void add(const Lane& lane, const Mark& mark) { marks.push_back(&mark), add_strip(lane); }
-  void add_left(const Lane& lane) { add_strip(lane), marks.push_back(&lane.mark); }
+  void add(const Lane& lane, const Mark& mark) { marks.push_back(&mark), add_strip(lane, true); }
+  void add_left(const Lane& lane) { add_strip(lane, false), marks.push_back(&lane.mark); }
 };
 
 // Where a point on the ray stands: beside the road or among its lanes, above them, between them and the road surface,
@@ -74,7 +77,7 @@ struct Place {
   double u = 0, s = 0, n = 0, t = 0;
   double above = 0;  // the road surface, m
   int strip = -1;
-  double lane_height = 0;
+  double lane_height = 0, lane_slope = 0;  // and its change with t
   State state = State::kBesideAbove;
 
   // Between two that are not there is something to look at: a surface, or a strip's edge, whose corner a ray may clip.
@@ -174,7 +177,10 @@ class Walk {
     while (border < static_cast<int>(on_.borders.size()) && p.t >= on_.borders[border].value(ds)) ++border;
     if (border > 0 && border < static_cast<int>(on_.borders.size())) {
       p.strip = border - 1;
-      p.lane_height = on_.strips[p.strip].height_m;
+      const Strip& strip = on_.strips[p.strip];
+      const double right = on_.borders[p.strip].value(ds), width = on_.borders[border].value(ds) - right;
+      p.lane_slope = strip.right_m == strip.left_m ? 0 : (strip.left_m - strip.right_m) / width;
+      p.lane_height = strip.right_m + p.lane_slope * (p.t - right);
       p.state = p.above >= p.lane_height ? State::kAbove : (p.above >= 0 ? State::kInside : State::kBelow);
     } else {
       p.state = p.above >= 0 ? State::kBesideAbove : State::kBesideBelow;
@@ -211,7 +217,7 @@ class Walk {
     if (rises) return hit(low, Hit::Kind::kUnderside);
     if (!enters || low.state == State::kBesideBelow) return std::nullopt;
     const double jump = low.state == State::kBesideAbove ? kInfinity : high.lane_height - low.lane_height;
-    return jump > 1e-9 ? hit(high, Hit::Kind::kFace) : hit(low, Hit::Kind::kStrip);
+    return jump > 1e-7 ? hit(high, Hit::Kind::kFace) : hit(low, Hit::Kind::kStrip);
   }
 
   Hit hit(const Place& p, Hit::Kind kind) const {
@@ -225,6 +231,9 @@ class Walk {
     const Lib::SurfaceSlope slope = Lib::surface_at(p.s, p.n, on_.surface);
     h.cosine = slope.cosine;
     h.normal = glm::normalize(-slope.ahead / h.bend * h.ahead - slope.aside * h.left + glm::dvec3(0, 0, 1));
+    if (kind == Hit::Kind::kStrip) {
+      h.normal = glm::normalize(h.normal / h.normal.z - p.lane_slope / slope.cosine * h.left);
+    }
     if (kind == Hit::Kind::kUnderside) h.normal = -h.normal;
     if (kind == Hit::Kind::kFace) h.normal = glm::dot(h.left, ray_) > 0 ? -h.left : h.left;
     return h;
@@ -386,7 +395,7 @@ class Painter {
       const Mark& mark = *on.marks[static_cast<std::size_t>(border)];
       if (on_mark(mark, hit.t - on.borders[static_cast<std::size_t>(border)].value(ds), ds)) color = mark.color;
     }
-    if (on.strips[static_cast<std::size_t>(hit.strip)].height_m != 0) return color;
+    if (!on.strips[static_cast<std::size_t>(hit.strip)].is_level(0)) return color;
     for (const Paint& paint : on.road->paint) {
       if (on_paint(paint, on.segment->s_start_m + hit.s, hit.t)) color = paint.color;
     }
