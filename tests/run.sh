@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 .ci/build.sh release
 echo "tests: release build"
 ctest --preset release -j"$(nproc)" "$@"
-.ci/build.sh asan
+.ci/build.sh asan tests_unit tests_cli
 echo "tests: under AddressSanitizer and UBSan"
 # Leaks are those of Mesa, GDAL and the rest at exit; the tests of 100,000 points take minutes here and seconds above.
 ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -j"$(nproc)" -L 'unit|cli' -E HundredThousand "$@"

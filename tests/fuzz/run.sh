@@ -7,15 +7,17 @@ seconds=${1:-20}; shift || true
 [ $# -gt 0 ] || set -- opendrive osm_xml osm_pbf gpx csv geojson
 # Leaks are those of GDAL and the rest at exit.
 export ASAN_OPTIONS=detect_leaks=0
-for name in "$@"; do
-  found=build/fuzz/found/$name
+run() {
+  local name=$1 options=()
+  local found=build/fuzz/found/$name log=build/fuzz/$name.log
   mkdir -p "$found"
-  options=()
   [ ! -f "tests/fuzz/$name.dict" ] || options=("-dict=tests/fuzz/$name.dict")
-  log=build/fuzz/$name.log
   echo "fuzz: $name for $seconds s"
   build/fuzz/bin/"${name}_fuzz" -max_total_time="$seconds" -rss_limit_mb=1024 -timeout=10 -max_len=65536 \
     -artifact_prefix="build/fuzz/$name-" "${options[@]}" \
     "$found" "tests/fuzz/corpus/$name" >"$log" 2>&1 || { tail -40 "$log" >&2; echo "fuzz: $name failed" >&2; exit 1; }
-  tail -1 "$log"
-done
+  echo "fuzz: $name: $(tail -1 "$log")"
+}
+export -f run
+export seconds
+printf '%s\n' "$@" | xargs -P "$(nproc)" -I{} bash -c 'set -euo pipefail; run {}'
