@@ -18,6 +18,7 @@ namespace {
 constexpr double kLeastCosine = 0.25;
 // Joints move by at most this share of the shorter chord beside them, along either axis.
 constexpr double kMostShift = 0.25;
+// Joints up to which a dense factorization takes less time than a sparse one.
 constexpr std::size_t kMostDense = 16;
 
 using std::isfinite;
@@ -211,23 +212,6 @@ class Chain {
     }
   }
 
-  // No joint may run past its neighbours, whatever the samples say.
-  void bound_positions(std::size_t segment_count) {
-    std::vector<double> room_m(joints_.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < segment_count; ++i) {
-      double &from = room_m[i], &to = room_m[(i + 1) % joints_.size()];
-      from = std::min(from, kMostShift * length_m(i));
-      to = std::min(to, kMostShift * length_m(i));
-    }
-    for (std::size_t i = 0; i < joints_.size(); ++i) {
-      if (joints_[i].fixed_position) continue;
-      for (int axis = 0; axis < 2; ++axis) {
-        problem_.SetParameterLowerBound(block(i), axis, block(i)[axis] - room_m[i]);
-        problem_.SetParameterUpperBound(block(i), axis, block(i)[axis] + room_m[i]);
-      }
-    }
-  }
-
   void add_samples(std::span<const SegmentSamples> segments) {
     for (std::size_t i = 0; i < segments.size(); ++i) {
       double *from = block(i), *to = block(i + 1);
@@ -249,21 +233,21 @@ class Chain {
       if (is_constant(i) && is_constant(i + 1)) continue;
       problem_.AddResidualBlock(new ArcCost(max_error_m_ / kArcScale_m * length_m(i)), nullptr, block(i), block(i + 1));
       if ((!closed_ && i + 1 == segment_count) || joints_.size() < 3) continue;
-      problem_.AddResidualBlock(new CurvatureCost(max_error_m_ / kCurvatureScale_m, length_m(i), length_m(i + 1)), nullptr,
-                                block(i), block(i + 1), block(i + 2));
+      problem_.AddResidualBlock(new CurvatureCost(max_error_m_ / kCurvatureScale_m, length_m(i), length_m(i + 1)),
+                                nullptr, block(i), block(i + 1), block(i + 2));
     }
   }
 
-  void solve() {
-    ceres::Solver::Options options;
-    options.linear_solver_type = joints_.size() <= kMostDense ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 8;
-    options.function_tolerance = 1e-5;
-    options.logging_type = ceres::SILENT;
-    options.num_threads = 1;  // sums in one order: the same input gives the same road
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem_, &summary);
-    if (!summary.IsSolutionUsable()) return;
+  // No joint may run past its neighbours, whatever the samples say. Hardly any would: bounds, which cost a search along
+  // every step, are set where one has.
+  void solve(std::size_t segment_count) {
+    const std::vector<double> start = blocks_, room_m = rooms_m(segment_count);
+    if (!try_solve()) return;
+    if (!is_within(start, room_m)) {
+      blocks_ = start;
+      set_bounds(room_m);
+      if (!try_solve()) return;
+    }
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       const double* b = block(i);
       joints_[i].position_m = {b[0], b[1]};
@@ -276,6 +260,43 @@ class Chain {
   double length_m(std::size_t i) {
     const double *from = block(i), *to = block(i + 1);
     return std::hypot(to[0] - from[0], to[1] - from[1]);
+  }
+  // How far each joint may move along either axis.
+  std::vector<double> rooms_m(std::size_t segment_count) {
+    std::vector<double> room_m(joints_.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < segment_count; ++i) {
+      double &from = room_m[i], &to = room_m[(i + 1) % joints_.size()];
+      from = std::min(from, kMostShift * length_m(i));
+      to = std::min(to, kMostShift * length_m(i));
+    }
+    return room_m;
+  }
+  bool is_within(const std::vector<double>& start, const std::vector<double>& room_m) const {
+    for (std::size_t i = 0; i < 3 * joints_.size(); ++i) {
+      if (i % 3 < 2 && !(std::abs(blocks_[i] - start[i]) <= room_m[i / 3])) return false;
+    }
+    return true;
+  }
+  void set_bounds(const std::vector<double>& room_m) {
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      if (joints_[i].fixed_position) continue;
+      for (int axis = 0; axis < 2; ++axis) {
+        problem_.SetParameterLowerBound(block(i), axis, block(i)[axis] - room_m[i]);
+        problem_.SetParameterUpperBound(block(i), axis, block(i)[axis] + room_m[i]);
+      }
+    }
+  }
+  bool try_solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type =
+        joints_.size() <= kMostDense ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = 8;
+    options.function_tolerance = 1e-5;
+    options.logging_type = ceres::SILENT;
+    options.num_threads = 1;  // sums in one order: the same input gives the same road
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    return summary.IsSolutionUsable();
   }
   bool is_constant(std::size_t i) const {
     const Joint& j = joints_[i % joints_.size()];
@@ -294,10 +315,9 @@ class Chain {
 void solve_joints(std::span<Joint> joints, std::span<const SegmentSamples> segments, bool closed, double max_error_m) {
   assert(segments.size() + (closed ? 0 : 1) == joints.size());
   Chain chain(joints, closed, max_error_m);
-  chain.bound_positions(segments.size());
   chain.add_samples(segments);
   chain.add_regularity(segments.size());
-  chain.solve();
+  chain.solve(segments.size());
 }
 
 }  // namespace roadgen
