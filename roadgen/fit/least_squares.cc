@@ -291,7 +291,7 @@ class Chain {
     options.linear_solver_type =
         joints_.size() <= kMostDense ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 8;
-    options.function_tolerance = 1e-5;
+    options.function_tolerance = 1e-4;
     options.logging_type = ceres::SILENT;
     options.num_threads = 1;  // sums in one order: the same input gives the same road
     ceres::Solver::Summary summary;
