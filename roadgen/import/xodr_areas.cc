@@ -87,19 +87,20 @@ Meetings meetings(const Network& network, const RoadsById& ids) {
 }
 
 // Calls visit(segment, local s, signed offset n, place, whether it is an edge) for places of a connecting road's
-// carriageway, at most step_m apart along the outer edge of a bend and across, until it returns false.
+// carriageway, at most across_m apart across it and along_m along the reference line of a bend, twice that where it is
+// straight; until visit returns false, as then does this.
 template <class Visit>
-bool visit_carriageway(const Road& road, double step_m, const Visit& visit) {
+bool visit_carriageway(const Road& road, double along_m, double across_m, const Visit& visit) {
   for (const Segment& segment : road.segments) {
     const bool straight = segment.slope_start == 0 && segment.slope_end == 0;
-    const int along = 1 + static_cast<int>((straight ? 1 : 2) * segment.arc_m / step_m);
+    const int along = 1 + static_cast<int>((straight ? 0.5 : 1) * segment.arc_m / along_m);
     for (int i = 0; i <= along; ++i) {
       const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
       const Carriageway c = carriageway_at(road, segment, local);
       const double heading = heading_rad(segment, u);
       const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
       const double cosine = std::cos(segment.superelevation_rad.value(local));
-      const int across = 1 + static_cast<int>((c.left_m - c.right_m) / step_m);
+      const int across = 1 + static_cast<int>((c.left_m - c.right_m) / across_m);
       for (int j = 0; j <= across; ++j) {
         const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
         if (!visit(segment, local, n, middle + n * left, j == 0 || j == across)) return false;
@@ -133,7 +134,8 @@ std::string departure(const Junction& area, const JunctionSurface& surface, cons
   for (const std::size_t way : ways) {
     const bool level = are_level(area, network.roads[way]);
     const bool agrees = visit_carriageway(
-        network.roads[way], kStep_m, [&](const Segment& segment, double local, double n, glm::dvec2 p, bool is_edge) {
+        network.roads[way], kStep_m, kStep_m,
+        [&](const Segment& segment, double local, double n, glm::dvec2 p, bool is_edge) {
           if (level && !is_edge) return true;
           if (!is_inside(surface, p)) {
             if (!is_edge || signed_distance_m(surface, p, kFar_m) >= -kMostOutside_m) return true;
@@ -158,12 +160,14 @@ bool is_mostly_free(const JunctionSurface& surface, const Network& network, cons
   std::vector<bool> covered(static_cast<std::size_t>(columns) * rows, false);
   // Closer than the cells are wide, so that none of those that a road covers is missed.
   for (const std::size_t way : ways) {
-    visit_carriageway(network.roads[way], 0.5 * kProbe_m, [&](const Segment&, double, double, glm::dvec2 p, bool) {
-      const int x = static_cast<int>(std::floor((p.x - low.x) / kProbe_m));
-      const int y = static_cast<int>(std::floor((p.y - low.y) / kProbe_m));
-      if (x >= 0 && x < columns && y >= 0 && y < rows) covered[static_cast<std::size_t>(y) * columns + x] = true;
-      return true;
-    });
+    visit_carriageway(network.roads[way], 0.25 * kProbe_m, 0.5 * kProbe_m,
+                      [&](const Segment&, double, double, glm::dvec2 p, bool) {
+                        const int x = static_cast<int>(std::floor((p.x - low.x) / kProbe_m));
+                        const int y = static_cast<int>(std::floor((p.y - low.y) / kProbe_m));
+                        if (x >= 0 && x < columns && y >= 0 && y < rows)
+                          covered[static_cast<std::size_t>(y) * columns + x] = true;
+                        return true;
+                      });
   }
   std::size_t inside = 0, free = 0;
   for (int y = 0; y < rows; y += 2) {
