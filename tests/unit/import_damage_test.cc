@@ -203,8 +203,8 @@ TEST(Damage, TablesAndTracksGiveFinitePointsOrAnError) {
   std::mt19937 random(2);
   for (int i = 0; i < kRounds; ++i) {
     Diagnostics diagnostics;
-    for (const auto& tracks :
-         {parse_csv(damaged(csv, random), "f", {}, diagnostics), parse_gpx(damaged(gpx, random), "f", diagnostics)}) {
+    for (const auto& tracks : {parse_csv(damaged(csv, random), "f", {}, diagnostics),
+                               parse_gpx(damaged(gpx, random), "f", {}, diagnostics)}) {
       if (!tracks) {
         EXPECT_EQ(tracks.error().file, "f");
         continue;
