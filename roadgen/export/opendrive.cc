@@ -300,12 +300,12 @@ void write_lanes(XmlWriter& out, const Road& road) {
 }
 
 // derived: what of it only our own reader needs is left out, since it leaves out the road.
-void write_road(XmlWriter& out, const Road& road, bool derived = false) {
+void write_road(XmlWriter& out, const Road& road, const JunctionIds& closed, bool derived = false) {
   out.raw("  <road").text("name", road.name).number("length", road.length_m()).text("id", road.id);
   out.text("junction", road.junction.empty() ? "-1" : road.junction)
       .text("rule", road.keep_left ? "LHT" : "RHT")
       .raw(">\n");
-  write_links(out, road);
+  write_links(out, road, closed);
   write_types(out, road);
   out.raw("    <planView>\n");
   for (const Segment& segment : road.segments) write_geometry(out, segment, derived);
@@ -320,6 +320,7 @@ void write_road(XmlWriter& out, const Road& road, bool derived = false) {
     out.user_data("    ", "derived", {}, "way");
   } else {
     write_joined(out, road);
+    write_closed_links(out, road, closed);
   }
   out.raw("  </road>\n");
 }
@@ -342,12 +343,12 @@ void write_parts(XmlWriter& out, std::size_t count, std::size_t chunk_size, cons
 }
 
 // The connecting roads that follow from areas.
-void write_derived_roads(XmlWriter& out, const Network& network, const RoadsById& roads) {
+void write_derived_roads(XmlWriter& out, const Network& network, const RoadsById& roads, const JunctionIds& closed) {
   const LinksById listed = links_by_id(network);
   write_parts(out, network.junctions.size(), 1, [&](XmlWriter& part, std::size_t i) {
     const Junction& area = network.junctions[i];
     for (const DerivedWay& way : derived_ways(network, roads, listed, area)) {
-      write_road(part, connecting_road(network, roads, area, way.movement, way.id), true);
+      write_road(part, connecting_road(network, roads, area, way.movement, way.id), closed, true);
     }
   });
 }
@@ -379,14 +380,16 @@ Status check_network(const Network& network, const RoadsById& roads) {
 }
 
 void write_network(XmlWriter& out, const Network& network, const RoadsById& roads) {
+  const JunctionIds closed = closed_junctions(network, roads);
   out.raw("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n");
   write_header(out, network);
   write_parts(out, network.roads.size(), 4,
-              [&](XmlWriter& part, std::size_t i) { write_road(part, network.roads[i]); });
-  write_derived_roads(out, network, roads);
+              [&](XmlWriter& part, std::size_t i) { write_road(part, network.roads[i], closed); });
+  write_derived_roads(out, network, roads, closed);
   write_controllers(out, network);
-  write_junctions(out, network, roads);
+  write_junctions(out, network, roads, closed, false);
   write_kept(out, "  ", network.other_xml);
+  write_junctions(out, network, roads, closed, true);
   out.raw("</OpenDRIVE>\n");
 }
 

@@ -18,10 +18,11 @@
 // recovered bit for bit from rounded polynomial coefficients, so they stand beside them in
 // <userData code="roadgen:chord" value="END_X END_Y SLOPE_START SLOPE_END"/>; likewise "roadgen:crossfall" (S and the
 // coefficients left and right), "roadgen:mark" (WIDTH SPACE ON OFF PHASE), "roadgen:paint" (COLOUR STRIPE), "roadgen:sweep"
-// (xodr_objects.cc), "roadgen:joined" (START END), "roadgen:area" and "roadgen:arm" (xodr_junctions.h); thus a network
-// that was written, read and written again is the same file. Where a junction's area has no connections of its own, the
-// file gets connecting roads for the movements() between its arms; "roadgen:derived" marks them, and they are left out
-// when the file is read, since they follow from the area. Other programs skip userData and lose nothing.
+// (xodr_objects.cc), "roadgen:joined" (START END), "roadgen:area", "roadgen:arm", "roadgen:junction" and "roadgen:link"
+// (xodr_junctions.h); thus a network that was written, read and written again is the same file. Where a junction's area
+// has no connections of its own, the file gets connecting roads for the movements() between its arms; "roadgen:derived"
+// marks them, and they are left out when the file is read, since they follow from the area. Other programs skip userData
+// and lose nothing.
 #pragma once
 
 #include <string>

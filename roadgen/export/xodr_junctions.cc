@@ -78,11 +78,41 @@ bool can_be_laid(const Junction& junction) {
 
 }  // namespace
 
-void write_links(XmlWriter& out, const Road& road) {
+JunctionIds closed_junctions(const Network& network, const RoadsById& roads) {
+  const LinksById listed = links_by_id(network);
+  std::vector<char> has_ways(network.junctions.size());
+  for_chunks(has_ways.size(), 64, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) has_ways[i] = !movements(network, roads, network.junctions[i]).empty();
+  });
+  JunctionIds open, closed;
+  for (std::size_t i = 0; i < has_ways.size(); ++i) (has_ways[i] ? open : closed).insert(network.junctions[i].id);
+  for (const JunctionLinks& links : network.junction_links) {
+    // One of another type has no connections where it has what is kept as text.
+    if (!links.connections.empty() || !links.records->other_xml.empty()) {
+      closed.erase(links.id);
+    } else if (!open.contains(links.id)) {
+      closed.insert(links.id);
+    }
+  }
+  return closed;
+}
+
+namespace {
+
+bool is_closed(const RoadLink& link, const JunctionIds& closed) {
+  return link.to == RoadLink::To::kJunction && closed.contains(link.id);
+}
+
+}  // namespace
+
+void write_links(XmlWriter& out, const Road& road, const JunctionIds& closed) {
   RoadLink before = road.predecessor, after = road.successor;
   if (road.closed) {
     before = {.to = RoadLink::To::kRoad, .id = road.id, .at_end = true};
     after = {.to = RoadLink::To::kRoad, .id = road.id, .at_end = false};
+  }
+  for (RoadLink* link : {&before, &after}) {
+    if (is_closed(*link, closed)) *link = {};
   }
   const std::string& others = road.records->other_links_xml;
   if (before.to == RoadLink::To::kNothing && after.to == RoadLink::To::kNothing && others.empty()) return;
@@ -91,6 +121,15 @@ void write_links(XmlWriter& out, const Road& road) {
   write_link(out, "successor", after);
   write_kept(out, "      ", others);
   out.raw("    </link>\n");
+}
+
+void write_closed_links(XmlWriter& out, const Road& road, const JunctionIds& closed) {
+  const bool before = is_closed(road.predecessor, closed), after = is_closed(road.successor, closed);
+  if (road.closed || (!before && !after)) return;
+  out.raw("    <userData code=\"roadgen:link\">\n");
+  if (before) write_link(out, "predecessor", road.predecessor);
+  if (after) write_link(out, "successor", road.successor);
+  out.raw("    </userData>\n");
 }
 
 void write_joined(XmlWriter& out, const Road& road) {
@@ -121,15 +160,23 @@ std::vector<DerivedWay> derived_ways(const Network& network, const RoadsById& ro
   return ways;
 }
 
-void write_junctions(XmlWriter& out, const Network& network, const RoadsById& roads) {
+void write_junctions(XmlWriter& out, const Network& network, const RoadsById& roads, const JunctionIds& closed,
+                     bool closed_ones) {
   const LinksById listed = links_by_id(network);
-  const auto write_area = [&](const Junction& area, const JunctionLinks& links) {
-    std::vector<Connection> connections;
-    for (DerivedWay& way : derived_ways(network, roads, listed, area)) {
-      const Road& from = network.roads[roads.at(area.arms[way.movement.from].road)];
-      connections.push_back(connection_of(area, way.movement, from.keep_left, std::move(way.id)));
+  std::size_t place = 0;  // among all
+  const auto write = [&](const JunctionLinks& links, const Junction* area) {
+    const std::size_t here = place++;
+    if (closed.contains(links.id) != closed_ones) return;
+    std::vector<Connection> connections = links.connections;
+    if (area && connections.empty() && !closed_ones) {
+      for (DerivedWay& way : derived_ways(network, roads, listed, *area)) {
+        const Road& from = network.roads[roads.at(area->arms[way.movement.from].road)];
+        connections.push_back(connection_of(*area, way.movement, from.keep_left, std::move(way.id)));
+      }
     }
-    write_junction(out, links, connections, &area);
+    if (closed_ones) out.raw("  <userData code=\"roadgen:junction\"").text("value", std::to_string(here)).raw(">\n");
+    write_junction(out, links, connections, area);
+    if (closed_ones) out.raw("  </userData>\n");
   };
   std::map<std::string_view, std::size_t> areas;
   for (std::size_t i = 0; i < network.junctions.size(); ++i) areas.emplace(network.junctions[i].id, i);
@@ -138,18 +185,13 @@ void write_junctions(XmlWriter& out, const Network& network, const RoadsById& ro
   const auto write_lone_areas = [&](std::size_t end) {
     for (; next < end; ++next) {
       const Junction& area = network.junctions[next];
-      if (!listed.contains(area.id)) write_area(area, {.id = area.id, .name = {}});
+      if (!listed.contains(area.id)) write({.id = area.id, .name = {}}, &area);
     }
   };
   for (const JunctionLinks& links : network.junction_links) {
     const auto area = areas.find(links.id);
     if (area != areas.end()) write_lone_areas(area->second);
-    const Junction* own = area == areas.end() ? nullptr : &network.junctions[area->second];
-    if (own && links.connections.empty()) {
-      write_area(*own, links);
-    } else {
-      write_junction(out, links, links.connections, own);
-    }
+    write(links, area == areas.end() ? nullptr : &network.junctions[area->second]);
   }
   write_lone_areas(network.junctions.size());
 }

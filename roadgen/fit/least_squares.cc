@@ -18,6 +18,8 @@ namespace {
 constexpr double kLeastCosine = 0.25;
 // Joints move by at most this share of the shorter chord beside them, along either axis.
 constexpr double kMostShift = 0.25;
+// Joints up to which a dense factorization takes less time than a sparse one.
+constexpr std::size_t kMostDense = 16;
 
 using std::isfinite;
 
@@ -130,47 +132,64 @@ struct SlideCost {
   }
 };
 
-// Angles of the tangents off the chord. For small angles the curvatures at the ends are -(4 start + 2 end) / L and
-// (2 start + 4 end) / L; angles stay finite where slopes do not. L is kept from the start: else sliding the joints
-// together would be rewarded.
-template <class T>
+// Angles of the tangents off the chord, and how its direction turns with the joint at its end (with the one at its start
+// the other way). For small angles the curvatures at the ends are -(4 start + 2 end) / L and (2 start + 4 end) / L; angles
+// stay finite where slopes do not. L is kept from the start: else sliding the joints together would be rewarded.
 struct ChordAngles {
-  T start, end;
+  double start, end;
+  glm::dvec2 turn;
 
-  ChordAngles(const T* from, const T* to) {
-    using std::atan2, std::cos, std::sin;
-    const T x = to[0] - from[0], y = to[1] - from[1];
-    const auto angle = [&](const T& heading) {
-      const T c = cos(heading), s = sin(heading);
-      return atan2(x * s - y * c, x * c + y * s);
-    };
-    start = angle(from[2]);
-    end = angle(to[2]);
+  ChordAngles(const double* from, const double* to) {
+    const double x = to[0] - from[0], y = to[1] - from[1], direction = std::atan2(y, x);
+    start = std::remainder(from[2] - direction, 2 * std::numbers::pi);
+    end = std::remainder(to[2] - direction, 2 * std::numbers::pi);
+    turn = glm::dvec2(-y, x) / (x * x + y * y);
   }
 };
 
-// L L' times the jump of curvature at the middle joint.
-struct CurvatureCost {
-  double weight, in_m, out_m;
+// L L' times the jump of curvature at the middle one of three joints.
+class CurvatureCost : public ceres::SizedCostFunction<1, 3, 3, 3> {
+ public:
+  CurvatureCost(double weight, double in_m, double out_m) : in_(weight * in_m), out_(weight * out_m) {}
 
-  template <class T>
-  bool operator()(const T* before, const T* joint, const T* after, T* residual) const {
-    const ChordAngles<T> in(before, joint), out(joint, after);
-    *residual = weight * ((4.0 * out.start + 2.0 * out.end) * in_m + (2.0 * in.start + 4.0 * in.end) * out_m);
-    return isfinite(*residual);
+  bool Evaluate(const double* const* joints, double* residual, double** jacobians) const override {
+    const ChordAngles in(joints[0], joints[1]), out(joints[1], joints[2]);
+    *residual = (4 * out.start + 2 * out.end) * in_ + (2 * in.start + 4 * in.end) * out_;
+    if (!std::isfinite(*residual)) return false;
+    if (!jacobians) return true;
+    const glm::dvec2 before = 6 * out_ * in.turn, after = -6 * in_ * out.turn, joint = -before - after;
+    const auto set = [&](int i, glm::dvec2 by_position, double by_heading) {
+      if (jacobians[i]) jacobians[i][0] = by_position.x, jacobians[i][1] = by_position.y, jacobians[i][2] = by_heading;
+    };
+    set(0, before, 2 * out_);
+    set(1, joint, 4 * (in_ + out_));
+    set(2, after, 2 * in_);
+    return true;
   }
+
+ private:
+  double in_, out_;
 };
 
 // L^2 times the change of curvature along a segment: 0 for an arc.
-struct ArcCost {
-  double weighted_length_m;
+class ArcCost : public ceres::SizedCostFunction<1, 3, 3> {
+ public:
+  explicit ArcCost(double weighted_length_m) : factor_(6 * weighted_length_m) {}
 
-  template <class T>
-  bool operator()(const T* from, const T* to, T* residual) const {
-    const ChordAngles<T> angles(from, to);
-    *residual = 6.0 * (angles.start + angles.end) * weighted_length_m;
-    return isfinite(*residual);
+  bool Evaluate(const double* const* joints, double* residual, double** jacobians) const override {
+    const ChordAngles angles(joints[0], joints[1]);
+    *residual = (angles.start + angles.end) * factor_;
+    if (!std::isfinite(*residual)) return false;
+    for (int i = 0; jacobians && i < 2; ++i) {
+      if (!jacobians[i]) continue;
+      const glm::dvec2 by_position = (i == 0 ? 2 : -2) * factor_ * angles.turn;
+      jacobians[i][0] = by_position.x, jacobians[i][1] = by_position.y, jacobians[i][2] = factor_;
+    }
+    return true;
   }
+
+ private:
+  double factor_;
 };
 
 // Joints as Ceres' parameter blocks.
@@ -189,23 +208,6 @@ class Chain {
         problem_.SetManifold(b, new ceres::SubsetManifold(3, {0, 1}));
       } else if (j.fixed_heading) {
         problem_.SetManifold(b, new ceres::SubsetManifold(3, {2}));
-      }
-    }
-  }
-
-  // No joint may run past its neighbours, whatever the samples say.
-  void bound_positions(std::size_t segment_count) {
-    std::vector<double> room_m(joints_.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < segment_count; ++i) {
-      double &from = room_m[i], &to = room_m[(i + 1) % joints_.size()];
-      from = std::min(from, kMostShift * length_m(i));
-      to = std::min(to, kMostShift * length_m(i));
-    }
-    for (std::size_t i = 0; i < joints_.size(); ++i) {
-      if (joints_[i].fixed_position) continue;
-      for (int axis = 0; axis < 2; ++axis) {
-        problem_.SetParameterLowerBound(block(i), axis, block(i)[axis] - room_m[i]);
-        problem_.SetParameterUpperBound(block(i), axis, block(i)[axis] + room_m[i]);
       }
     }
   }
@@ -229,26 +231,23 @@ class Chain {
     }
     for (std::size_t i = 0; i < segment_count; ++i) {
       if (is_constant(i) && is_constant(i + 1)) continue;
-      ArcCost* const arc = new ArcCost{max_error_m_ / kArcScale_m * length_m(i)};  // Ceres takes ownership
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ArcCost, 1, 3, 3>(arc), nullptr, block(i),
-                                block(i + 1));
+      problem_.AddResidualBlock(new ArcCost(max_error_m_ / kArcScale_m * length_m(i)), nullptr, block(i), block(i + 1));
       if ((!closed_ && i + 1 == segment_count) || joints_.size() < 3) continue;
-      CurvatureCost* const jump = new CurvatureCost{max_error_m_ / kCurvatureScale_m, length_m(i), length_m(i + 1)};
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<CurvatureCost, 1, 3, 3, 3>(jump), nullptr, block(i),
-                                block(i + 1), block(i + 2));
+      problem_.AddResidualBlock(new CurvatureCost(max_error_m_ / kCurvatureScale_m, length_m(i), length_m(i + 1)),
+                                nullptr, block(i), block(i + 1), block(i + 2));
     }
   }
 
-  void solve() {
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 8;
-    options.function_tolerance = 1e-5;
-    options.logging_type = ceres::SILENT;
-    options.num_threads = 1;  // sums in one order: the same input gives the same road
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem_, &summary);
-    if (!summary.IsSolutionUsable()) return;
+  // No joint may run past its neighbours, whatever the samples say. Hardly any would: bounds, which cost a search along
+  // every step, are set where one has.
+  void solve(std::size_t segment_count) {
+    const std::vector<double> start = blocks_, room_m = rooms_m(segment_count);
+    if (!try_solve()) return;
+    if (!is_within(start, room_m)) {
+      blocks_ = start;
+      set_bounds(room_m);
+      if (!try_solve()) return;
+    }
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       const double* b = block(i);
       joints_[i].position_m = {b[0], b[1]};
@@ -261,6 +260,43 @@ class Chain {
   double length_m(std::size_t i) {
     const double *from = block(i), *to = block(i + 1);
     return std::hypot(to[0] - from[0], to[1] - from[1]);
+  }
+  // How far each joint may move along either axis.
+  std::vector<double> rooms_m(std::size_t segment_count) {
+    std::vector<double> room_m(joints_.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < segment_count; ++i) {
+      double &from = room_m[i], &to = room_m[(i + 1) % joints_.size()];
+      from = std::min(from, kMostShift * length_m(i));
+      to = std::min(to, kMostShift * length_m(i));
+    }
+    return room_m;
+  }
+  bool is_within(const std::vector<double>& start, const std::vector<double>& room_m) const {
+    for (std::size_t i = 0; i < 3 * joints_.size(); ++i) {
+      if (i % 3 < 2 && !(std::abs(blocks_[i] - start[i]) <= room_m[i / 3])) return false;
+    }
+    return true;
+  }
+  void set_bounds(const std::vector<double>& room_m) {
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      if (joints_[i].fixed_position) continue;
+      for (int axis = 0; axis < 2; ++axis) {
+        problem_.SetParameterLowerBound(block(i), axis, block(i)[axis] - room_m[i]);
+        problem_.SetParameterUpperBound(block(i), axis, block(i)[axis] + room_m[i]);
+      }
+    }
+  }
+  bool try_solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type =
+        joints_.size() <= kMostDense ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = 8;
+    options.function_tolerance = 1e-4;
+    options.logging_type = ceres::SILENT;
+    options.num_threads = 1;  // sums in one order: the same input gives the same road
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    return summary.IsSolutionUsable();
   }
   bool is_constant(std::size_t i) const {
     const Joint& j = joints_[i % joints_.size()];
@@ -279,10 +315,9 @@ class Chain {
 void solve_joints(std::span<Joint> joints, std::span<const SegmentSamples> segments, bool closed, double max_error_m) {
   assert(segments.size() + (closed ? 0 : 1) == joints.size());
   Chain chain(joints, closed, max_error_m);
-  chain.bound_positions(segments.size());
   chain.add_samples(segments);
   chain.add_regularity(segments.size());
-  chain.solve();
+  chain.solve(segments.size());
 }
 
 }  // namespace roadgen

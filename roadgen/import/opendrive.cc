@@ -164,7 +164,7 @@ void read_part(Part& part, const XmlPart& from) {
     part.derived = node.attribute("id").value();
   } else if (name == "road") {
     read_road(part, node);
-  } else if (name == "junction") {
+  } else if (name == "junction" || (name == "userData" && holds_junction(node))) {
     part.junction = read_junction(part.source, node);
   } else if (name == "controller") {
     part.controller = read_controller(part.source, node);
@@ -185,6 +185,7 @@ class Reader {
  private:
   Status read_parts(const std::vector<XmlPart>& parts);
   Status take(Part& part, int line);
+  void place_closed_junctions();
   Status check_size(const XmlParts& parts) const;
   Status check_root(const XmlParts& parts) const;
   void connect();
@@ -194,13 +195,30 @@ class Reader {
   std::optional<XodrHeader> header_;
   Network network_;
   std::vector<bool> exact_ends_;  // of the roads
-  std::vector<XodrJunction> junctions_;
+  std::vector<XodrJunction> junctions_, closed_junctions_;
   std::set<std::string> derived_;  // ids of roads that are left out, since they follow from areas
   std::set<std::string> road_ids_, junction_ids_;
 };
 
+// Puts the junctions that the file has elsewhere among the others.
+void Reader::place_closed_junctions() {
+  if (closed_junctions_.empty()) return;
+  std::stable_sort(closed_junctions_.begin(), closed_junctions_.end(),
+                   [](const XodrJunction& a, const XodrJunction& b) { return *a.place < *b.place; });
+  std::vector<XodrJunction> all;
+  all.reserve(junctions_.size() + closed_junctions_.size());
+  std::size_t next = 0;
+  for (XodrJunction& closed : closed_junctions_) {
+    while (next < junctions_.size() && all.size() < *closed.place) all.push_back(std::move(junctions_[next++]));
+    all.push_back(std::move(closed));
+  }
+  while (next < junctions_.size()) all.push_back(std::move(junctions_[next++]));
+  junctions_ = std::move(all);
+}
+
 // Links and junctions, once all roads are there.
 void Reader::connect() {
+  place_closed_junctions();
   for (XodrJunction& junction : junctions_) {
     if (!junction.area) continue;
     std::erase_if(junction.links.connections, [&](const Connection& c) { return derived_.contains(c.connecting); });
@@ -274,7 +292,7 @@ Status Reader::take(Part& part, int line) {
   network_.other_xml += part.other_xml;
   if (part.junction) {
     if (!junction_ids_.insert(part.junction->links.id).second) return twice("junction ", part.junction->links.id);
-    junctions_.push_back(std::move(*part.junction));
+    (part.junction->place ? closed_junctions_ : junctions_).push_back(std::move(*part.junction));
   }
   return Done{};
 }

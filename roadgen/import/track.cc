@@ -17,7 +17,7 @@ Result<std::vector<Track>> read_tracks(const std::string& path, const FieldNames
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
 
   if (ending == ".csv" || ending == ".txt") return read_csv(path, fields, diagnostics);
-  if (ending == ".gpx") return read_gpx(path, diagnostics);
+  if (ending == ".gpx") return read_gpx(path, fields, diagnostics);
   for (const char* known : {".geojson", ".json", ".kml", ".shp", ".gpkg"}) {
     if (ending == known) return read_vector(path, fields, diagnostics);
   }

@@ -31,7 +31,7 @@ struct Track {
 };
 
 // Where a file says what, if not under the names that its reader knows: columns of a .csv, properties of the features of
-// a .geojson, .kml, .shp or .gpkg. Empty: not given.
+// a .geojson, .kml, .shp or .gpkg, elements of a .gpx. Empty: not given.
 struct FieldNames {
   std::string width;   // of the whole road, metres
   std::string lanes;   // number of lanes of both directions, in [1, kMostLanes]

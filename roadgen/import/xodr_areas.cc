@@ -86,51 +86,89 @@ Meetings meetings(const Network& network, const RoadsById& ids) {
   return all;
 }
 
-// Where the connecting roads' carriageways and the area do not agree; empty where they do.
-// Requires: area and roads of sane sizes.
-std::string disagreement(const JunctionSurface& surface, const Network& network, const std::vector<std::size_t>& ways) {
-  bool is_outside = false;
+// Calls visit(segment, local s, signed offset n, place, whether it is an edge) for places of a connecting road's
+// carriageway, at most across_m apart across it and along_m along the reference line of a bend, twice that where it is
+// straight; until visit returns false, as then does this.
+template <class Visit>
+bool visit_carriageway(const Road& road, double along_m, double across_m, const Visit& visit) {
+  for (const Segment& segment : road.segments) {
+    const bool straight = segment.slope_start == 0 && segment.slope_end == 0;
+    const int along = 1 + static_cast<int>((straight ? 0.5 : 1) * segment.arc_m / along_m);
+    for (int i = 0; i <= along; ++i) {
+      const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
+      const Carriageway c = carriageway_at(road, segment, local);
+      const double heading = heading_rad(segment, u);
+      const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
+      const double cosine = std::cos(segment.superelevation_rad.value(local));
+      const int across = 1 + static_cast<int>((c.left_m - c.right_m) / across_m);
+      for (int j = 0; j <= across; ++j) {
+        const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
+        if (!visit(segment, local, n, middle + n * left, j == 0 || j == across)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+// Whether all of the area and of the road are level and near one another in height.
+bool are_level(const Junction& area, const Road& road) {
+  const double z = area.arms.front().elevation_m;
+  return std::all_of(area.arms.begin(), area.arms.end(),
+                     [&](const JunctionArm& arm) {
+                       return arm.elevation_m == z && arm.grade == 0 && arm.tilt == 0 && arm.crossfall_left == 0 &&
+                              arm.crossfall_right == 0;
+                     }) &&
+         std::all_of(road.segments.begin(), road.segments.end(), [&](const Segment& segment) {
+           const Bounds b = bounds(segment);
+           return std::max(b.high_m.z - z, z - b.low_m.z) <= kMostStep_m;
+         });
+}
+
+// Where the connecting roads' carriageways are not the area's surface; empty where they are. Places may be as far apart as
+// this: surfaces are smooth, and of a bend of radius 5 m that reaches beyond the area by 0.5 m, 4.5 m of edge are outside.
+std::string departure(const Junction& area, const JunctionSurface& surface, const Network& network,
+                      const std::vector<std::size_t>& ways) {
+  constexpr double kStep_m = 2;
+  constexpr double kFar_m = 2 * kMostOutside_m;  // which distances beyond need not be told apart
+  const char* why = "";
+  for (const std::size_t way : ways) {
+    const bool level = are_level(area, network.roads[way]);
+    const bool agrees = visit_carriageway(
+        network.roads[way], kStep_m, kStep_m,
+        [&](const Segment& segment, double local, double n, glm::dvec2 p, bool is_edge) {
+          if (level && !is_edge) return true;
+          if (!is_inside(surface, p)) {
+            if (!is_edge || signed_distance_m(surface, p, kFar_m) >= -kMostOutside_m) return true;
+            why = "its roads reach beyond the area between the ends";
+            return false;
+          }
+          if (level || std::abs(surface_at(segment, local, n).height - height_m_at(surface, p)) <= kMostStep_m)
+            return true;
+          why = "its roads lie at different heights";
+          return false;
+        });
+    if (!agrees) break;
+  }
+  return why;
+}
+
+// Whether the connecting roads leave much of the area free. Requires: area and roads of sane sizes.
+bool is_mostly_free(const JunctionSurface& surface, const Network& network, const std::vector<std::size_t>& ways) {
   const glm::dvec2 low = glm::dvec2(surface.center_m) + glm::dvec2(surface.low_m);
   const glm::dvec2 size = glm::dvec2(surface.high_m) - glm::dvec2(surface.low_m);
   const int columns = 1 + static_cast<int>(size.x / kProbe_m), rows = 1 + static_cast<int>(size.y / kProbe_m);
   std::vector<bool> covered(static_cast<std::size_t>(columns) * rows, false);
-  const auto cover = [&](glm::dvec2 p) {
-    const int x = static_cast<int>(std::floor((p.x - low.x) / kProbe_m));
-    const int y = static_cast<int>(std::floor((p.y - low.y) / kProbe_m));
-    if (x >= 0 && x < columns && y >= 0 && y < rows) covered[static_cast<std::size_t>(y) * columns + x] = true;
-  };
   // Closer than the cells are wide, so that none of those that a road covers is missed.
-  constexpr double kStep_m = 0.5 * kProbe_m;
-  constexpr int kSparse = 4;
-  constexpr double kFar_m = 2 * kMostOutside_m;  // which distances beyond need not be told apart
   for (const std::size_t way : ways) {
-    const Road& road = network.roads[way];
-    for (const Segment& segment : road.segments) {
-      const int along = 1 + static_cast<int>(2 * segment.arc_m / kStep_m);
-      for (int i = 0; i <= along; ++i) {
-        const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
-        const Carriageway c = carriageway_at(road, segment, local);
-        const double heading = heading_rad(segment, u);
-        const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
-        const double cosine = std::cos(segment.superelevation_rad.value(local));
-        const int across = 1 + static_cast<int>((c.left_m - c.right_m) / kStep_m);
-        for (int j = 0; j <= across; ++j) {
-          const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
-          const glm::dvec2 p = middle + n * left;
-          cover(p);
-          // Every fourth place, and the edges all along: surfaces and outlines are smooth.
-          const bool is_edge = j == 0 || j == across;
-          if (!is_edge && (i % kSparse != 0 || j % kSparse != 0)) continue;
-          const bool inside = is_inside(surface, p);
-          if (!inside && !is_outside) is_outside = signed_distance_m(surface, p, kFar_m) < -kMostOutside_m;
-          if (!inside || i % kSparse != 0) continue;
-          const double step = surface_at(segment, local, n).height - height_m_at(surface, p);
-          if (std::abs(step) > kMostStep_m) return "its roads lie at different heights";
-        }
-      }
-    }
+    visit_carriageway(network.roads[way], 0.25 * kProbe_m, 0.5 * kProbe_m,
+                      [&](const Segment&, double, double, glm::dvec2 p, bool) {
+                        const int x = static_cast<int>(std::floor((p.x - low.x) / kProbe_m));
+                        const int y = static_cast<int>(std::floor((p.y - low.y) / kProbe_m));
+                        if (x >= 0 && x < columns && y >= 0 && y < rows)
+                          covered[static_cast<std::size_t>(y) * columns + x] = true;
+                        return true;
+                      });
   }
-  if (is_outside) return "its roads reach beyond the area between the ends";
   std::size_t inside = 0, free = 0;
   for (int y = 0; y < rows; y += 2) {
     for (int x = 0; x < columns; x += 2) {
@@ -139,8 +177,7 @@ std::string disagreement(const JunctionSurface& surface, const Network& network,
       free += covered[static_cast<std::size_t>(y) * columns + x] ? 0 : 1;
     }
   }
-  const bool is_free = static_cast<double>(free) > kMostFree * static_cast<double>(inside);
-  return is_free ? "its roads leave much of the area free" : "";
+  return static_cast<double>(free) > kMostFree * static_cast<double>(inside);
 }
 
 // Corners as wide as the arms allow: connecting roads begin to turn at the cuts.
@@ -163,7 +200,8 @@ std::string roads_kept_why(const Network& network, const RoadsById& ids, const s
     for (const Segment& segment : road.segments) vast = vast || segment.max_half_width_m() > kWidest_m;
   }
   if (vast) return "it is too large";
-  return disagreement(surface, network, meeting.ways);
+  if (std::string why = departure(*area, surface, network, meeting.ways); !why.empty()) return why;
+  return is_mostly_free(surface, network, meeting.ways) ? "its roads leave much of the area free" : "";
 }
 
 // The same for every junction that could have an area, on all cores.

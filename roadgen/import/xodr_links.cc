@@ -125,6 +125,9 @@ void read_links(XodrSource& source, const pugi::xml_node& node, Road& road) {
     road.predecessor = road.successor = {};
     return;
   }
+  const pugi::xml_node closed = node.find_child_by_attribute("userData", "code", "roadgen:link");
+  if (const pugi::xml_node part = closed.child("predecessor")) road.predecessor = read_link(source, part);
+  if (const pugi::xml_node part = closed.child("successor")) road.successor = read_link(source, part);
   const pugi::xml_node lanes = node.child("lanes");
   const pugi::xml_node first = lanes.child("laneSection");
   pugi::xml_node last = lanes.last_child();
@@ -145,8 +148,17 @@ bool read_joined(XodrSource& source, const pugi::xml_node& node, Road& road) {
   return true;
 }
 
-XodrJunction read_junction(XodrSource& source, const pugi::xml_node& node) {
+bool holds_junction(const pugi::xml_node& user_data) {
+  return !std::strcmp(user_data.attribute("code").value(), "roadgen:junction") && user_data.child("junction");
+}
+
+XodrJunction read_junction(XodrSource& source, const pugi::xml_node& outer) {
+  const pugi::xml_node inner = outer.child("junction"), node = inner ? inner : outer;
   XodrJunction junction;
+  if (inner) {
+    const std::vector<double> place = numbers_in(outer.attribute("value").value());
+    if (place.size() == 1 && place[0] >= 0 && place[0] < 1e9) junction.place = static_cast<std::size_t>(place[0]);
+  }
   junction.links.id = source.word(node, "id");
   junction.links.name = node.attribute("name").value();
   junction.line = source.line(node);

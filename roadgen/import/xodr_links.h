@@ -15,13 +15,17 @@ namespace roadgen {
 struct XodrJunction {
   JunctionLinks links;
   int line = 0;
-  bool own = false;      // says itself whether it has an area
+  std::optional<std::size_t> place;  // among all junctions, where the file has it elsewhere
+  bool own = false;                  // says itself whether it has an area
   struct Area {
     double corner_radius_m = 0, underlap_m = 0;
     std::vector<JunctionArm> arms;
   };
   std::optional<Area> area;
 };
+
+// Of the root: whether it holds a junction that no way leads through (roadgen/export/xodr_junctions.h).
+bool holds_junction(const pugi::xml_node& user_data);
 
 // Reads the junction that the road lies in, its links with those of its first and last lanes, and whether it is closed.
 void read_links(XodrSource& source, const pugi::xml_node& node, Road& road);

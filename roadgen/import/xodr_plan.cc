@@ -23,20 +23,34 @@ double wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * M_PI); }
 constexpr double kClosedGap_m = 0.01;
 constexpr double kClosedTurn_rad = 1e-3;
 
-// Moves the end onto the next segment's start, and its heading onto the next one's, where they are closer than this; the
-// heading at the segment's own start stays. Returns the gap that was closed.
-double join_end(Segment& segment, const Segment& next, double most_m, double most_rad) {
-  const double gap_m = glm::length(segment.end_m - next.start_m), length_m = segment.chord_length_m();
-  const double start_rad = heading_rad(segment, 0), end_rad = heading_rad(segment, 1);
-  const double turn_rad = wrapped(heading_rad(next, 0) - end_rad);
-  const bool turns = std::abs(turn_rad) > 1e-12 && std::abs(turn_rad) <= most_rad;
-  if (gap_m > most_m || gap_m > 0.1 * length_m || (gap_m == 0 && !turns)) return 0;
-  segment.end_m = next.start_m;
+constexpr double kMostShift = 0.1;  // of the length of the segment that is moved
+
+// Gives the segment these ends and headings.
+void lay(Segment& segment, glm::dvec2 start_m, glm::dvec2 end_m, double start_rad, double end_rad) {
+  segment.start_m = start_m, segment.end_m = end_m;
   const glm::dvec2 chord = segment.chord_m();
   const double chord_rad = std::atan2(chord.y, chord.x);
   segment.slope_start = std::tan(start_rad - chord_rad);
-  segment.slope_end = std::tan(end_rad + (turns ? turn_rad : 0) - chord_rad);
+  segment.slope_end = std::tan(end_rad - chord_rad);
   set_arc(segment);
+}
+
+// Moves the end onto the next segment's start, and its heading onto the next one's, where they are closer than this; the
+// heading at the segment's own start stays. Where the segment is too short for that, the next one's start is moved.
+// Returns the gap that was closed.
+double join(Segment& segment, Segment& next, double most_m, double most_rad) {
+  const double gap_m = glm::length(segment.end_m - next.start_m);
+  const double start_rad = heading_rad(segment, 0), end_rad = heading_rad(segment, 1), next_rad = heading_rad(next, 0);
+  const double turn_rad = wrapped(next_rad - end_rad);
+  const bool turns = std::abs(turn_rad) > 1e-12 && std::abs(turn_rad) <= most_rad;
+  if (gap_m > most_m || (gap_m == 0 && !turns)) return 0;
+  if (gap_m <= kMostShift * segment.chord_length_m()) {
+    lay(segment, segment.start_m, next.start_m, start_rad, end_rad + (turns ? turn_rad : 0));
+  } else if (gap_m <= kMostShift * next.chord_length_m()) {
+    lay(next, segment.end_m, next.end_m, next_rad - (turns ? turn_rad : 0), heading_rad(next, 1));
+  } else {
+    return 0;
+  }
   return gap_m;
 }
 
@@ -210,11 +224,11 @@ std::vector<PlacedSegment> place_segments(XodrSource& source, const std::vector<
 
 void join_segments(XodrSource& source, std::vector<PlacedSegment>& placed, bool closed, pugi::xml_node node) {
   double widest = 0;
-  const auto join_pair = [&](PlacedSegment& before, const PlacedSegment& after) {
+  const auto join_pair = [&](PlacedSegment& before, PlacedSegment& after) {
     // What we wrote ourselves is exact.
     const bool exact = before.own && after.own;
-    widest = std::max(widest, join_end(before.segment, after.segment, exact ? kSamePlace_m : kClosedGap_m,
-                                       exact ? 0 : kClosedTurn_rad));
+    widest = std::max(
+        widest, join(before.segment, after.segment, exact ? kSamePlace_m : kClosedGap_m, exact ? 0 : kClosedTurn_rad));
   };
   for (std::size_t i = 0; i + 1 < placed.size(); ++i) join_pair(placed[i], placed[i + 1]);
   if (closed && glm::length(placed.back().segment.end_m - placed.front().segment.start_m) > kClosedGap_m) {

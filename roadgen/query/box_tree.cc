@@ -112,15 +112,57 @@ void BoxTree::Walk::begin(const BoxTree& tree, const Box& about, const SearchLim
   if (!tree.nodes_.empty()) stack_[top_++] = {0, 0, tree.root_};
 }
 
+inline void BoxTree::Walk::put(std::uint32_t place, const Waiting& child) {
+  stack_[place] = child;
+  const std::uint32_t item = child.child() & ~kItem;
+  if (!(child.child() & kItem)) {
+    prefetch(&tree_->nodes_[item], sizeof(Node));
+  } else if (item < memory_.count) {
+    prefetch(static_cast<const char*>(memory_.first) + item * memory_.bytes, memory_.bytes);
+  }
+}
+
+// Puts the children that are near (a bit for each) on the stack, the nearest on top.
+inline void BoxTree::Walk::push(const Node& node, const Four (&plane2)[kFours], const Four (&gap)[kFours],
+                                std::uint32_t near) {
+  const auto child = [&](std::uint32_t i) -> Waiting {
+    return {plane2[i / 4][i % 4], gap[i / 4][i % 4], node.child[i]};
+  };
+  const auto first = [&] { return static_cast<std::uint32_t>(std::countr_zero(near)); };
+  // Children that are not there come last.
+  if (near != 0 && (near & (near - 1)) == 0) {
+    if (node.child[first()] != kNoChild) put(top_++, child(first()));
+    return;
+  }
+  // What a child costs, as an integer of the same order, told from others' by its place; less than any where it is far.
+  Fours key[kFours];
+  for (std::uint32_t four = 0; four < kFours; ++four) {
+    const auto at = static_cast<std::int32_t>(4 * four);
+    const auto cost = std::bit_cast<Fours>(plane2[four] + gap[four]);
+    const Fours own_bit = Fours{1, 2, 4, 8} << at;
+    key[four] = ((cost & ~15) | Fours{at, at + 1, at + 2, at + 3}) | ((static_cast<std::int32_t>(near) & own_bit) == 0);
+  }
+  const std::uint32_t bottom = top_;
+  for (; near != 0; near &= near - 1) {
+    const std::uint32_t i = first();
+    if (node.child[i] == kNoChild) break;
+    // Without a branch, which would be guessed wrong every other time: above those that are farther.
+    const std::int32_t own = key[i / 4][i % 4];
+    const Fours farther = (key[0] > own) + (key[1] > own) + (key[2] > own) + (key[3] > own);
+    put(bottom - static_cast<std::uint32_t>(farther[0] + farther[1] + farther[2] + farther[3]), child(i));
+    ++top_;
+  }
+}
+
 inline std::uint32_t BoxTree::Walk::advance() {
   constexpr auto kSame = static_cast<float>(kSameHeight_m), kBeside = static_cast<float>(kBeside_m);
   constexpr auto kPer2 = static_cast<float>(1.000001 / (kPerBeside * kPerBeside));
   if (top_ == 0) return kDone;
   const Waiting at = stack_[--top_];
-  const float rest = most_ - at.gap, around = std::max(rest - kBeside, 0.0f);
-  if (rest < 0 || at.plane2 > around * around * kPer2) return kNode;
-  if (at.child & kItem) return at.child & ~kItem;
-  const Node& node = tree_->nodes_[at.child];
+  const float rest = most_ - at.gap(), around = std::max(rest - kBeside, 0.0f);
+  if (rest < 0 || at.plane2() > around * around * kPer2) return kNode;
+  if (at.child() & kItem) return at.child() & ~kItem;
+  const Node& node = tree_->nodes_[at.child()];
   Four plane2[kFours], gap[kFours] = {};
   std::uint32_t far = 0;  // a bit for each
   for (std::uint32_t four = 0; four < kFours; ++four) {
@@ -135,25 +177,7 @@ inline std::uint32_t BoxTree::Walk::advance() {
     const Four left = most_ - gap[four], beside = greater(left - kBeside, Four{});
     far |= bits((left < 0) | (plane2[four] > beside * beside * kPer2) | (plane2[four] > reach2_)) << (4 * four);
   }
-  // Into the stack, the nearest on top.
-  const std::uint32_t bottom = top_;
-  for (std::uint32_t near = ~far & ((1u << kWidth) - 1); near != 0; near &= near - 1) {
-    const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
-    if (node.child[i] == kNoChild) break;  // nor are there others
-    const std::uint32_t four = i / 4, lane = i % 4;
-    const Waiting child{plane2[four][lane], gap[four][lane], node.child[i]};
-    std::uint32_t place = top_++;
-    for (; place > bottom && stack_[place - 1].plane2 + stack_[place - 1].gap < child.plane2 + child.gap; --place) {
-      stack_[place] = stack_[place - 1];
-    }
-    stack_[place] = child;
-    const std::uint32_t item = child.child & ~kItem;
-    if (!(child.child & kItem)) {
-      prefetch(&tree_->nodes_[item], sizeof(Node));
-    } else if (item < memory_.count) {
-      prefetch(static_cast<const char*>(memory_.first) + item * memory_.bytes, memory_.bytes);
-    }
-  }
+  push(node, plane2, gap, ~far & ((1u << kWidth) - 1));
   return kNode;
 }
 

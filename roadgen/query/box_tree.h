@@ -91,9 +91,15 @@ class BoxTree {
     std::uint32_t child[kWidth];
   };
   static_assert(sizeof(Node) == 448);  // seven cache lines
+  // A child on the stack, written and read as one vector: where parts of it are read together soon after they were written
+  // singly, a processor waits for memory.
   struct Waiting {
-    float plane2, gap;  // squared horizontal distance; what the vertical one costs
-    std::uint32_t child;
+    Four all;  // squared horizontal distance; what the vertical one costs; the child
+    Waiting() = default;
+    Waiting(float plane2, float gap, std::uint32_t child) : all{plane2, gap, std::bit_cast<float>(child), 0} {}
+    float plane2() const { return all[0]; }
+    float gap() const { return all[1]; }
+    std::uint32_t child() const { return std::bit_cast<std::uint32_t>(all[2]); }
   };
   // Deep enough for 2^31 items: of each of 8 levels all but one child wait.
   static constexpr std::size_t kStack = 8 * (kWidth - 1) + 1;
@@ -138,6 +144,8 @@ class BoxTree::Walk {
   static constexpr double kRounding = 1 + 1e-6;  // of the sums and squares in single precision
 
   std::uint32_t advance();
+  void put(std::uint32_t place, const Waiting& child);
+  void push(const Node& node, const Four (&plane2)[kFours], const Four (&gap)[kFours], std::uint32_t near);
 
   const BoxTree* tree_;
   Memory memory_;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kLeastLane_m = 0.5;  // narrower ones have tapered away
 constexpr double kPiece_rad = 50 * std::numbers::pi / 180;
 constexpr int kMostPieces = 16;
+constexpr int kMostHalvings = 6;
 constexpr double kSteepest = 5;  // slope of a piece against its chord
 constexpr double kStraight_rad = std::numbers::pi / 6;
 
@@ -134,22 +135,30 @@ std::vector<Segment> curve(const Pose& from, const Pose& to) {
     const glm::dvec2 d = y * y * (b[1] - b[0]) + 2 * x * y * (b[2] - b[1]) + x * x * (b[3] - b[2]);
     return std::atan2(d.y, d.x);
   };
+  // Pieces that bend more than a graph may are halved: arms are short where a way leads aside.
   std::vector<Segment> segments;
-  for (int i = 0; i < count; ++i) {
+  const auto add = [&](auto&& self, double x0, double x1, int depth) -> void {
     Segment segment;
-    segment.start_m = i == 0 ? from.p : segments.back().end_m;
-    segment.end_m = i + 1 == count ? to.p : point((i + 1.0) / count);
+    segment.start_m = segments.empty() ? from.p : segments.back().end_m;
+    segment.end_m = x1 == 1 ? to.p : point(x1);
     const glm::dvec2 leg = segment.end_m - segment.start_m;
-    const auto slope = [&](double heading) {
-      const double turned = std::remainder(heading - std::atan2(leg.y, leg.x), 2 * std::numbers::pi);
-      const double steepest = std::atan(kSteepest);
-      return std::tan(std::clamp(turned, -steepest, steepest));
+    const auto turned = [&](double heading) {
+      return std::remainder(heading - std::atan2(leg.y, leg.x), 2 * std::numbers::pi);
     };
-    segment.slope_start = slope(i == 0 ? from.heading_rad : tangent(static_cast<double>(i) / count));
-    segment.slope_end = slope(i + 1 == count ? to.heading_rad : tangent((i + 1.0) / count));
+    const double start = turned(x0 == 0 ? from.heading_rad : tangent(x0));
+    const double end = turned(x1 == 1 ? to.heading_rad : tangent(x1));
+    const double steepest = std::atan(kSteepest), most = std::max(std::abs(start), std::abs(end));
+    if (most > steepest && depth < kMostHalvings) {
+      self(self, x0, 0.5 * (x0 + x1), depth + 1);
+      self(self, 0.5 * (x0 + x1), x1, depth + 1);
+      return;
+    }
+    segment.slope_start = std::tan(std::clamp(start, -steepest, steepest));
+    segment.slope_end = std::tan(std::clamp(end, -steepest, steepest));
     set_arc(segment);
     segments.push_back(segment);
-  }
+  };
+  for (int i = 0; i < count; ++i) add(add, static_cast<double>(i) / count, (i + 1.0) / count, 0);
   return segments;
 }
 

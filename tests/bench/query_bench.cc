@@ -1,5 +1,5 @@
 // Latency and throughput of world to road and road to world, on one core.
-//   build/release/bin/query_bench [--points N] [--blocks N] [--only WORDS] [FILE.xodr...]
+//   build/release/bin/query_bench [--points N] [--blocks N] [--only WORDS] [FILE.xodr|FILE.osm[.gz|.pbf]...]
 // Rows whose kind of query holds the words of --only, by default all. For every file, and for a street grid of 4 *
 // blocks * (blocks + 1) segments, one row of a Markdown table per kind of query. Points are uniform over length and
 // width of roads taken by their length, at the surface's height; or uniform in the network's bounds, within a reach of
@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "roadgen/import/import.h"
 #include "roadgen/import/opendrive.h"
 #include "roadgen/query/road_index.h"
 #include "tests/common/city.h"
@@ -142,10 +143,14 @@ void measure(const std::string& name, const Network& network, std::size_t points
   row(name, "to road, anywhere", points,
       [&](std::size_t i) { return answer(index.to_road(anywhere[i], kFarReach_m)); });
   std::vector<std::optional<RoadPoint>> many(kBatch);
-  batch_row(name, "to road, x y z, batch", points, [&](std::size_t begin, std::size_t count) {
-    index.to_road(std::span<const glm::dvec3>(on).subspan(begin, count), kReach_m, std::span(many).first(count));
-    return answer(many[0]);
-  });
+  const auto batch = [&](const char* query, std::span<const glm::dvec3> of, double reach_m) {
+    batch_row(name, query, points, [&](std::size_t begin, std::size_t count) {
+      index.to_road(of.subspan(begin, count), reach_m, std::span(many).first(count));
+      return answer(many[0]);
+    });
+  };
+  batch("to road, x y z, batch", on, kReach_m);
+  batch("to road, anywhere, batch", anywhere, kFarReach_m);
   RoadHint hint;
   row(name, "to road, hint", points, [&](std::size_t i) { return answer(index.to_road(driven[i], kReach_m, &hint)); });
   std::array<std::optional<RoadPoint>, 4> found;
@@ -163,6 +168,17 @@ void measure(const std::string& name, const Network& network, std::size_t points
 
 }  // namespace
 }  // namespace roadgen
+
+namespace {
+
+roadgen::Result<roadgen::Network> read(const std::string& file) {
+  if (file.ends_with(".xodr")) return roadgen::read_opendrive(file);
+  auto imported = roadgen::import_files({file}, {});
+  if (!imported) return imported.error();
+  return std::move(imported->network);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   std::size_t points = 1000000;
@@ -183,7 +199,7 @@ int main(int argc, char** argv) {
   std::puts("| network | query | p50 us | p99 us | p99.9 us | worst us | million per s |");
   std::puts("|---|---|---|---|---|---|---|");
   for (const std::string& file : files) {
-    const auto network = roadgen::read_opendrive(file);
+    const auto network = read(file);
     if (!network) {
       std::fprintf(stderr, "query_bench: error: %s\n", network.error().text().c_str());
       return 1;

@@ -203,8 +203,8 @@ TEST(Damage, TablesAndTracksGiveFinitePointsOrAnError) {
   std::mt19937 random(2);
   for (int i = 0; i < kRounds; ++i) {
     Diagnostics diagnostics;
-    for (const auto& tracks :
-         {parse_csv(damaged(csv, random), "f", {}, diagnostics), parse_gpx(damaged(gpx, random), "f", diagnostics)}) {
+    for (const auto& tracks : {parse_csv(damaged(csv, random), "f", {}, diagnostics),
+                               parse_gpx(damaged(gpx, random), "f", {}, diagnostics)}) {
       if (!tracks) {
         EXPECT_EQ(tracks.error().file, "f");
         continue;
@@ -370,6 +370,12 @@ TEST(Damage, FilesThatBrokeReadersAreReadOrRefused) {
   EXPECT_GT(files, 15u);
 }
 
+constexpr const char* kOneRoad =
+    R"(<OpenDRIVE><header revMajor="1" revMinor="4"/><road name="&l9;" id="1" length="10" junction="-1"><planView>
+<geometry s="0" x="0" y="0" hdg="0" length="10"><line/></geometry></planView><lanes><laneSection s="0"><center>
+<lane id="0" type="none"/></center><right><lane id="-1" type="driving"><width sOffset="0" a="3" b="0" c="0" d="0"/></lane>
+</right></laneSection></lanes></road></OpenDRIVE>)";
+
 std::string repeated(const std::string& text, std::size_t count) {
   std::string all;
   all.reserve(text.size() * count);
@@ -411,6 +417,50 @@ TEST(Damage, EndlesslyRepeatedElementsAreRefused) {
   }
   EXPECT_EQ(read_file(path, 100).error().code, ErrorCode::kData);
   EXPECT_TRUE(read_file(path).ok());
+}
+
+// Ten entities, each ten of the one before: expanded they would be 3 GB.
+std::string entity_bomb(const std::string& root) {
+  std::string text = "<?xml version=\"1.0\"?><!DOCTYPE " + root + " [<!ENTITY l0 \"lol\">";
+  for (int i = 1; i < 10; ++i) {
+    text += "<!ENTITY l" + std::to_string(i) + " \"" + repeated("&l" + std::to_string(i - 1) + ";", 10) + "\">";
+  }
+  return text + "]>";
+}
+
+// They are refused in one line, or stand for themselves.
+TEST(Damage, EntitiesAreNotExpanded) {
+  const test::TemporaryFolder folder;
+  const std::string gpx = entity_bomb("gpx") + "<gpx><trk><name>&l9;</name><trkseg><trkpt lat=\"1\" lon=\"2\"/>" +
+                          "<trkpt lat=\"1.01\" lon=\"2\"/></trkseg></trk></gpx>";
+  const auto track = import_files({folder.put("a.gpx", gpx)}, {});
+  ASSERT_TRUE(track.ok()) << track.error().text();
+  EXPECT_EQ(track->network.roads[0].name, "&l9;");
+  const std::string osm = entity_bomb("osm") + "<osm version=\"0.6\"><node id=\"1\" lat=\"50\" lon=\"11\"/>" +
+                          "<node id=\"2\" lat=\"50.001\" lon=\"11\"/><way id=\"1\"><nd ref=\"1\"/><nd ref=\"2\"/>" +
+                          "<tag k=\"highway\" v=\"primary\"/><tag k=\"name\" v=\"&l9;\"/></way></osm>";
+  const std::string kml =
+      entity_bomb("kml") + "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>" +
+      "<name>&l9;</name><LineString><coordinates>1,2 1.01,2</coordinates></LineString></Placemark>" +
+      "</Document></kml>";
+  for (const std::string& path : {folder.put("a.osm", osm), folder.put("a.kml", kml)}) {
+    const auto refused = import_files({path}, {});
+    ASSERT_FALSE(refused.ok()) << path;
+    EXPECT_EQ(refused.error().file, path);
+    EXPECT_EQ(refused.error().text().find('\n'), std::string::npos);
+  }
+  const std::string xodr = entity_bomb("OpenDRIVE") + kOneRoad;
+  const Result<Network> network = parse_opendrive(xodr, "n.xodr");
+  ASSERT_TRUE(network.ok()) << network.error().text();
+  EXPECT_EQ(network->roads[0].name, "&l9;");
+}
+
+// XML wants its declaration first; files of some editors have a comment there.
+TEST(Damage, ACommentBeforeTheDeclarationIsRead) {
+  const Result<Network> network =
+      parse_opendrive("<!-- edited\n by hand -->\n<?xml version=\"1.0\"?>\n" + std::string(kOneRoad), "n.xodr");
+  ASSERT_TRUE(network.ok()) << network.error().text();
+  EXPECT_EQ(network->roads.size(), 1u);
 }
 
 TEST(Damage, RefusedFilesAreClosed) {

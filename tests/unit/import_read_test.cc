@@ -108,7 +108,7 @@ constexpr const char* kGpx = R"(<?xml version="1.0"?>
 
 TEST(Gpx, SegmentsAndRoutesBecomeTracks) {
   Diagnostics diagnostics;
-  const auto tracks = parse_gpx(kGpx, "t.gpx", diagnostics);
+  const auto tracks = parse_gpx(kGpx, "t.gpx", {}, diagnostics);
   ASSERT_TRUE(tracks.ok());
   ASSERT_EQ(tracks->size(), 3u);
   const Track& first = (*tracks)[0];
@@ -126,10 +126,38 @@ TEST(Gpx, SegmentsAndRoutesBecomeTracks) {
   EXPECT_EQ(diagnostics[0].line, 7);
 }
 
+// Of a point, else of the track that it belongs to; in extensions of any namespace.
+TEST(Gpx, FieldsThatAreNamedAreElements) {
+  const std::string text = R"(<gpx xmlns:r="urn:r"><trk><name>t</name><desc>Ring</desc>
+<extensions><r:Road><r:LANES>3</r:LANES><r:Width>9</r:Width></r:Road></extensions>
+<trkseg><trkpt lat="1" lon="2"><ele>3</ele><extensions><r:width>10.5</r:width><r:h>310</r:h></extensions></trkpt>
+<trkpt lat="4" lon="5"><ele>6</ele></trkpt><trkpt lat="4" lon="6"><extensions><r:h>high</r:h></extensions></trkpt></trkseg>
+</trk></gpx>)";
+  Diagnostics diagnostics;
+  FieldNames fields{.width = "width", .lanes = "lanes", .height = "h", .name = "desc"};
+  const auto tracks = parse_gpx(text, "t.gpx", fields, diagnostics);
+  ASSERT_TRUE(tracks.ok()) << tracks.error().text();
+  const Track& track = tracks->front();
+  EXPECT_EQ(track.name, "Ring");
+  EXPECT_EQ(track.lanes, 3);
+  EXPECT_EQ(track.points[0].width_m, 10.5);
+  EXPECT_EQ(track.points[1].width_m, 9);
+  EXPECT_EQ(track.points[0].height_m, 310);
+  EXPECT_EQ(track.points[1].height_m, 6);
+  EXPECT_FALSE(track.points[2].height_m.has_value());
+  ASSERT_EQ(diagnostics.size(), 1u);
+  EXPECT_EQ(diagnostics[0].line, 4);
+  fields.lanes = "spuren";
+  const auto none = parse_gpx(text, "t.gpx", fields, diagnostics);
+  ASSERT_FALSE(none.ok());
+  EXPECT_EQ(none.error().code, ErrorCode::kData);
+  EXPECT_NE(none.error().message.find("'spuren'"), std::string::npos);
+}
+
 TEST(Gpx, FaultsAreErrorsWithTheirLine) {
   const auto line_of = [](const std::string& text) {
     Diagnostics diagnostics;
-    const auto tracks = parse_gpx(text, "t.gpx", diagnostics);
+    const auto tracks = parse_gpx(text, "t.gpx", {}, diagnostics);
     EXPECT_FALSE(tracks.ok()) << text;
     return tracks.ok() ? -1 : tracks.error().line;
   };
@@ -186,6 +214,22 @@ TEST(Vector, KmlIsRead) {
   ASSERT_TRUE(tracks.ok()) << tracks.error().text();
   EXPECT_EQ((*tracks)[0].name, "Pass");
   EXPECT_EQ((*tracks)[0].points[1].y, 5);
+
+  // Its fields stand in a schema.
+  const std::string with_fields = folder.put("b.kml", R"(<?xml version="1.0" encoding="UTF-8"?>
+<kml xmlns="http://www.opengis.net/kml/2.2"><Document><Schema name="roads" id="roads"><SimpleField name="LANES" type="int"/>
+<SimpleField name="WIDTH_M" type="float"/><SimpleField name="H" type="float"/><SimpleField name="STREET" type="string"/></Schema>
+<Folder><name>roads</name><Placemark><name>x</name><ExtendedData><SchemaData schemaUrl="#roads">
+<SimpleData name="LANES">3</SimpleData><SimpleData name="WIDTH_M">10.5</SimpleData><SimpleData name="H">310</SimpleData>
+<SimpleData name="STREET">Ring</SimpleData></SchemaData></ExtendedData>
+<LineString><coordinates>9,45 9,45.01</coordinates></LineString></Placemark></Folder></Document></kml>)");
+  const FieldNames fields{.width = "width_m", .lanes = "lanes", .height = "h", .name = "street"};
+  const auto roads = read_vector(with_fields, fields, diagnostics);
+  ASSERT_TRUE(roads.ok()) << roads.error().text();
+  EXPECT_EQ(roads->front().name, "Ring");
+  EXPECT_EQ(roads->front().lanes, 3);
+  EXPECT_EQ(roads->front().points[0].width_m, 10.5);
+  EXPECT_EQ(roads->front().points[0].height_m, 310);
 }
 
 TEST(Vector, ShapefilesAndGeoPackagesAreReadWithTheirFields) {
