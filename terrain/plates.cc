@@ -216,31 +216,45 @@ Piece piece_of(const Lib::JunctionCut& c, glm::dvec2 middle, double half, glm::d
   return piece;
 }
 
-// ds/du of a corner's arc length by its chord, over equal parts of [0, 1].
-using ArcSlopes = std::array<Interval, 16>;
+// A corner's rise along its curve less that of a plane, by its chord parameter, over equal parts of [0, 1]. The curve turns,
+// so the rise of either changes a lot along it; the difference hardly does where the corner lies near the plane.
+struct CornerRise {
+  glm::dvec2 plane{0, 0};  // slopes along the chord and to its left
+  std::array<Interval, 32> rise;
 
-ArcSlopes arc_slopes(const Lib::JunctionCorner& c) {
-  ArcSlopes slopes;
-  constexpr double kParts = std::tuple_size_v<ArcSlopes>;
-  for (std::size_t i = 0; i < slopes.size(); ++i) {
-    const double at = static_cast<double>(i);
-    slopes[i] = IntervalLib::road_darc({at / kParts, (at + 1) / kParts}, c.a, c.b, c.arc / c.chord, c.c0, c.c1);
+  CornerRise(const Lib::JunctionCorner& c, glm::dvec3 around) {
+    plane = {around.x * c.cx + around.y * c.cy, around.y * c.cx - around.x * c.cy};
+    constexpr int kFine = 16;  // of each part
+    const double step = 1 / static_cast<double>(kFine * rise.size());
+    for (std::size_t i = 0; i < rise.size(); ++i) {
+      for (int k = 0; k < kFine; ++k) {
+        const double u = step * static_cast<double>(kFine * i + static_cast<std::size_t>(k));
+        const Interval part(u, u + step), near = about(0, 0.5 * step);
+        const double um = part.middle(), inverse = 1 / c.chord;
+        const Interval darc = IntervalLib::road_darc(part, c.a, c.b, c.arc * inverse, c.c0, c.c1);
+        const Interval s =
+            Interval(c.chord) * (Interval(Lib::road_arc(um, c.a, c.b, c.arc * inverse, c.c0, c.c1)) + darc * near);
+        const Interval df = hull(Interval(Lib::road_df(u, c.a, c.b)), Interval(Lib::road_df(u + step, c.a, c.b))) +
+                            about(0, step * step * (std::abs(c.a) + std::abs(c.b)) * 3);
+        const Interval here =
+            IntervalLib::road_dcubic(s, c.z1, c.z2, c.z3) * darc - Interval(plane.x) - Interval(plane.y) * df;
+        rise[i] = k == 0 ? here : hull(rise[i], here);
+      }
+    }
   }
-  return slopes;
-}
 
-// Over all of u, within [0, 1].
-Interval slope_over(const ArcSlopes& slopes, Interval u) {
-  const auto part = [&](double at) {
-    return std::min(static_cast<std::size_t>(at * static_cast<double>(slopes.size())), slopes.size() - 1);
-  };
-  Interval slope = slopes[part(u.low)];
-  for (std::size_t i = part(u.low) + 1; i <= part(u.high); ++i) slope = hull(slope, slopes[i]);
-  return slope;
-}
+  // Over all of u, within [0, 1].
+  Interval over(Interval u) const {
+    const auto part = [&](double at) {
+      return std::min(static_cast<std::size_t>(at * static_cast<double>(rise.size())), rise.size() - 1);
+    };
+    Interval found = rise[part(u.low)];
+    for (std::size_t i = part(u.low) + 1; i <= part(u.high); ++i) found = hull(found, rise[i]);
+    return found;
+  }
+};
 
-Piece piece_of(const Lib::JunctionCorner& c, const ArcSlopes& slopes, glm::dvec2 middle, double half,
-               glm::dvec3 plane) {
+Piece piece_of(const Lib::JunctionCorner& c, const CornerRise& rise, glm::dvec2 middle, double half, glm::dvec3 plane) {
   const double inverse = 1 / c.chord, reach = half * (std::abs(c.cx) + std::abs(c.cy)) * inverse;
   const Interval px = about(((middle.x - c.x0) * c.cx + (middle.y - c.y0) * c.cy) * inverse, reach);
   const Interval py = about(((middle.y - c.y0) * c.cx - (middle.x - c.x0) * c.cy) * inverse, reach);
@@ -253,14 +267,14 @@ Piece piece_of(const Lib::JunctionCorner& c, const ArcSlopes& slopes, glm::dvec2
   const Interval f = Interval(Lib::road_f(um, c.a, c.b)) + df * near;
   const Interval off = py - f - df * over;
   const Interval chord(c.chord), along_u = Interval(1) - du;
-  const Interval darc = slope_over(slopes, u);
-  const Interval s = chord * (Interval(Lib::road_arc(um, c.a, c.b, c.arc * inverse, c.c0, c.c1)) + darc * near);
   const Interval t = u * u * (Interval(3) - Interval(2) * u), dt = Interval(6) * u * (Interval(1) - u) * du;
   const Interval along = Interval(c.along0) + Interval(c.along1 - c.along0) * t;
   const Interval across_it = Interval(c.across0) + Interval(c.across1 - c.across0) * t;
-  Interval z_x = IntervalLib::road_dcubic(s, c.z1, c.z2, c.z3) * chord * darc * du +
-                 chord * (along * along_u + Interval(c.across1 - c.across0) * dt * (py - f) - across_it * df * du);
-  Interval z_y = chord * across_it;
+  // Along the chord, less the plane's: beside the curve, and how much else it is where the square is beyond an end of it.
+  const Interval inside = rise.over(u) - (across_it - Interval(rise.plane.y)) * df;
+  const Interval outside = along - Interval(rise.plane.x);
+  Interval z_x = chord * (outside + du * (inside - outside) + Interval(c.across1 - c.across0) * dt * (py - f));
+  Interval z_y = chord * (across_it - Interval(rise.plane.y));
   if (c.fall0 != 0 || c.fall1 != 0) {
     const Interval v = chord * off, level = Interval(3.5) / (Interval(3.5) + abs(v));
     const Interval fall = Interval(c.fall0) + Interval(c.fall1 - c.fall0) * t;
@@ -270,13 +284,16 @@ Piece piece_of(const Lib::JunctionCorner& c, const ArcSlopes& slopes, glm::dvec2
   Piece piece;
   const Interval room = square(chord) * (square(off) + square(over)) + Interval(1e-6);
   piece.weight = Interval(c.arc) / room;
-  const Interval by_off = Interval(-2) * square(chord) * off / room,
-                 by_over = Interval(-2) * square(chord) * over / room;
+  const Interval hair = Interval(1e-6) / square(chord);
+  const Interval by_off = Interval(-2) * part_of_sum(off, square(over) + hair);
+  const Interval by_over = Interval(-2) * part_of_sum(over, square(off) + hair);
   const Interval pull_px = by_over * along_u - by_off * (df + ddf * du * over);
   piece.pull_x = (pull_px * Interval(c.cx) - by_off * Interval(c.cy)) * Interval(inverse);
   piece.pull_y = (pull_px * Interval(c.cy) + by_off * Interval(c.cx)) * Interval(inverse);
-  piece.tilt_x = (z_x * Interval(c.cx) - z_y * Interval(c.cy)) * Interval(inverse) - Interval(plane.x);
-  piece.tilt_y = (z_x * Interval(c.cy) + z_y * Interval(c.cx)) * Interval(inverse) - Interval(plane.y);
+  const glm::dvec2 rest(plane.x - (rise.plane.x * c.cx - rise.plane.y * c.cy),
+                        plane.y - (rise.plane.x * c.cy + rise.plane.y * c.cx));
+  piece.tilt_x = (z_x * Interval(c.cx) - z_y * Interval(c.cy)) * Interval(inverse) - Interval(rest.x);
+  piece.tilt_y = (z_x * Interval(c.cy) + z_y * Interval(c.cx)) * Interval(inverse) - Interval(rest.y);
   const Lib::JunctionHeight at = Lib::junction_height_add_corner(Lib::junction_height_begin(), middle.x, middle.y, c);
   piece.weight_at = at.w;
   piece.off_at = at.z - plane.z;
@@ -291,12 +308,12 @@ Piece piece_of(const Lib::JunctionCorner& c, const ArcSlopes& slopes, glm::dvec2
 //
 // And it changes by its gradient, which is the sum of p (D's gradient + (D - the mean) times the weight's gradient by the
 // weight), and 0 at the middle: half the square's size times its greatest value is of second order in the size.
-double off_plane_m(const JunctionSurface& surface, const std::vector<ArcSlopes>& slopes, glm::dvec2 middle, double half,
+double off_plane_m(const JunctionSurface& surface, const std::vector<CornerRise>& rises, glm::dvec2 middle, double half,
                    glm::dvec3 plane, std::vector<Piece>& pieces) {
   pieces.clear();
   for (const auto& cut : surface.cuts) pieces.push_back(piece_of(cut, middle, half, plane));
   for (std::size_t i = 0; i < surface.corners.size(); ++i) {
-    pieces.push_back(piece_of(surface.corners[i], slopes[i], middle, half, plane));
+    pieces.push_back(piece_of(surface.corners[i], rises[i], middle, half, plane));
   }
   double low = 0, high = 0, at = 0;
   for (const Piece& p : pieces) low += p.weight.low, high += p.weight.high, at += p.weight_at;
@@ -342,7 +359,7 @@ class AreaPlates {
  public:
   AreaPlates(const Junction& junction, double wanted_m)
       : surface_(junction_surface(junction)), underlap_m_(junction.underlap_m), wanted_m_(wanted_m) {
-    for (const Lib::JunctionCorner& corner : surface_.corners) slopes_.push_back(arc_slopes(corner));
+    for (const Lib::JunctionCorner& corner : surface_.corners) rises_.emplace_back(corner, surface_.plane);
   }
   void add_to(std::vector<Plate>& plates);
 
@@ -363,7 +380,7 @@ class AreaPlates {
   }
 
   JunctionSurface surface_;
-  std::vector<ArcSlopes> slopes_;  // of its corners
+  std::vector<CornerRise> rises_;  // of its corners
   double underlap_m_, wanted_m_;
   std::vector<Node> nodes_;
   std::vector<Enclosure> enclosures_;
@@ -375,7 +392,7 @@ void AreaPlates::enclose(std::size_t node, glm::dvec2 middle, double half) {
   if (2 * half >= kShortestJunctionPlate_m && is_outside(middle, half)) return;
   const JunctionPoint p = height_at(surface_, glm::dvec2(surface_.center_m) + middle);
   const glm::dvec3 tangent(p.gradient, p.height_m - surface_.center_m.z);
-  const double off = off_plane_m(surface_, slopes_, middle, half, tangent, pieces_);
+  const double off = off_plane_m(surface_, rises_, middle, half, tangent, pieces_);
   if (off <= kEnclosurePart * wanted_m_ || half <= kFinestJunctionBox_m) {
     enclosures_.push_back({middle, half, tangent, off});
   } else {
