@@ -37,13 +37,13 @@ GroundBatch::Tile GroundBatch::uploaded(const TerrainMesh& mesh) {
   for (const glm::vec3& p : mesh.positions_m) low = glm::min(low, p), high = glm::max(high, p);
   tile.center_m = 0.5f * (low + high);
   tile.radius_m = 0.5f * glm::length(high - low);
-  tile.whole = tile.drawn = static_cast<GLsizei>(mesh.whole());
-  const auto buffer = [](const auto& data, GLbitfield flags = 0) {
-    return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(data[0])), data.data(), flags);
+  tile.whole = static_cast<GLsizei>(mesh.whole());
+  const auto buffer = [](const auto& data) {
+    return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(data[0])), data.data());
   };
   tile.positions = buffer(mesh.positions_m);
   tile.normals = buffer(mesh.normals);
-  tile.triangles = buffer(mesh.triangles, GL_DYNAMIC_STORAGE_BIT);
+  tile.triangles = buffer(mesh.triangles);
   std::vector<HollowInstance> met;
   for (const TerrainMesh::Cut& cut : mesh.cuts) {
     tile.cuts.push_back({static_cast<GLsizei>(cut.count), cut.first, static_cast<GLuint>(met.size()),
@@ -52,7 +52,6 @@ GroundBatch::Tile GroundBatch::uploaded(const TerrainMesh& mesh) {
   }
   if (!met.empty()) tile.hollows = buffer(met);
   const GLuint array = tile.vertex_array.id();
-  glVertexArrayElementBuffer(array, tile.triangles.id());
   for (GLuint i = 0; i < 2; ++i) {
     glVertexArrayVertexBuffer(array, i, (i == 0 ? tile.positions : tile.normals).id(), 0, sizeof(glm::vec3));
     glEnableVertexArrayAttrib(array, i);
@@ -87,50 +86,51 @@ void GroundBatch::upload(std::span<const TerrainMesh> tiles) {
 }
 
 void GroundBatch::choose(Tile& tile) {
-  tile.chosen = true;
-  if (tile.mesh.nodes.empty()) return;
+  tile.is_chosen = true;
   select_triangles(tile.mesh, detail_, triangles_);
-  tile.drawn = static_cast<GLsizei>(triangles_.size());
-  if (tile.drawn > 0) {
-    glNamedBufferSubData(tile.triangles.id(), 0, static_cast<GLsizeiptr>(triangles_.size() * sizeof(triangles_[0])),
-                         triangles_.data());
+  tile.chosen_count = static_cast<GLsizei>(triangles_.size());
+  if (triangles_.empty()) return;
+  if (tile.chosen.id() == 0) {
+    tile.chosen = gl::Buffer::with_data(static_cast<GLsizeiptr>(sizeof(std::uint32_t)) * tile.whole, nullptr,
+                                        GL_DYNAMIC_STORAGE_BIT);
   }
+  glNamedBufferSubData(tile.chosen.id(), 0, static_cast<GLsizeiptr>(triangles_.size() * sizeof(triangles_[0])),
+                       triangles_.data());
 }
 
 void GroundBatch::draw(const Program& ground, const Program& at_tunnels, glm::dvec3 eye_m, double part,
                        const std::function<bool(glm::dvec3, double)>& may_see) {
-  if (part != detail_.part || (part > 0 && glm::length(eye_m - detail_.eye_m) > detail_.room_m)) {
+  if (part > 0 && (part != detail_.part || glm::length(eye_m - detail_.eye_m) > detail_.room_m)) {
     detail_ = {eye_m, kRoom_m, part};
-    for (Tile& tile : tiles_) tile.chosen = false;
+    for (Tile& tile : tiles_) tile.is_chosen = false;
   }
   statistics_.drawn_tiles = statistics_.drawn_triangles = 0;
   std::vector<const Tile*> cut;
-  ground.use();
-  const auto bind = [&](const Tile& tile) {
+  const auto draw_elements = [&](const Tile& tile, const gl::Buffer& triangles, GLsizei count, std::size_t first) {
     const glm::vec3 from_eye = tile.mesh.origin_m - eye_m;
     glUniform3f(0, from_eye.x, from_eye.y, from_eye.z);
+    glVertexArrayElementBuffer(tile.vertex_array.id(), triangles.id());
     glBindVertexArray(tile.vertex_array.id());
+    glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));
+    statistics_.drawn_triangles += static_cast<std::size_t>(count) / 3;
   };
+  ground.use();
   for (Tile& tile : tiles_) {
     if (!may_see(tile.mesh.origin_m - eye_m + glm::dvec3(tile.center_m), tile.radius_m)) continue;
-    if (!tile.chosen) choose(tile);
     ++statistics_.drawn_tiles;
-    statistics_.drawn_triangles += static_cast<std::size_t>(tile.drawn) / 3;
     if (!tile.cuts.empty()) cut.push_back(&tile);
-    if (tile.drawn == 0) continue;
-    bind(tile);
-    glDrawElements(GL_TRIANGLES, tile.drawn, GL_UNSIGNED_INT, nullptr);
+    const bool all = part == 0 || tile.mesh.nodes.empty();
+    if (!all && !tile.is_chosen) choose(tile);
+    const GLsizei count = all ? tile.whole : tile.chosen_count;
+    if (count > 0) draw_elements(tile, all ? tile.triangles : tile.chosen, count, 0);
   }
   if (cut.empty()) return;
   at_tunnels.use();
   for (const Tile* tile : cut) {
-    bind(*tile);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, tile->hollows.id());
     for (const Cut& c : tile->cuts) {
-      statistics_.drawn_triangles += static_cast<std::size_t>(c.count) / 3;
       glUniform2ui(1, c.hollow_first, c.hollow_count);
-      glDrawElements(GL_TRIANGLES, c.count, GL_UNSIGNED_INT,
-                     reinterpret_cast<const void*>(c.first * sizeof(std::uint32_t)));
+      draw_elements(*tile, tile->triangles, c.count, c.first);
     }
   }
 }

@@ -25,8 +25,8 @@ class GroundBatch {
   GroundStatistics statistics() const { return statistics_; }
 
   // Draws the tiles that may_see allows (centre from the eye, radius), each deviating from its mesh by at most `part` of
-  // the distance; at_tunnels is the program for what is cut away there. Requires: depth test on, the frame's uniforms
-  // bound. Cost: where the eye has moved by more than kRoom_m, O(triangles drawn) on the CPU.
+  // the distance, 0: not at all; at_tunnels is the program for what is cut away there. Requires: depth test on, the
+  // frame's uniforms bound. Cost: where part > 0 and the eye has moved by more than kRoom_m, O(triangles drawn) on the CPU.
   void draw(const Program& ground, const Program& at_tunnels, glm::dvec3 eye_m, double part,
             const std::function<bool(glm::dvec3, double)>& may_see);
 
@@ -42,10 +42,11 @@ class GroundBatch {
   struct Tile {
     gl::VertexArray vertex_array;
     gl::Buffer positions, normals, triangles, hollows;
-    TerrainMesh mesh;     // without what only the GPU needs
-    GLsizei whole = 0;    // indices of the triangles that meet no tunnel, of all
-    GLsizei drawn = 0;    // and of those chosen
-    bool chosen = false;  // for detail_
+    TerrainMesh mesh;          // without what only the GPU needs
+    GLsizei whole = 0;         // indices of the triangles that meet no tunnel
+    gl::Buffer chosen;         // of those that stand for them in the picture, once there was one
+    GLsizei chosen_count = 0;  // indices
+    bool is_chosen = false;    // for detail_
     std::vector<Cut> cuts;
     glm::vec3 center_m{0, 0, 0};  // of the bounding sphere, from the origin
     float radius_m = 0;

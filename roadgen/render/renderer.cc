@@ -124,7 +124,9 @@ struct Renderer::State {
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
-  void draw_scene(const Programs& programs, const Camera& camera, int width, int height, double least_contribution);
+  // least_contribution and ground_error_pixels: as in RendererOptions.
+  void draw_scene(const Programs& programs, const Camera& camera, int width, int height, double least_contribution,
+                  double ground_error_pixels);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   void show_ground_to_roads();
   Status draw_channels(const Camera& camera, int width, int height);
@@ -153,7 +155,7 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
 }
 
 void Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height,
-                                 double least_contribution) {
+                                 double least_contribution, double ground_error_pixels) {
   upload_frame(camera, width, height);
   glViewport(0, 0, width, height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -165,8 +167,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   const Frustum frustum(camera, static_cast<double>(width) / height);
   const auto may_see = [&](glm::dvec3 center, double radius) { return frustum.may_see(center, radius); };
   const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / height;
-  ground.draw(programs.ground, programs.ground_at_tunnels, camera.position_m, options.ground_error_pixels * pixel,
-              may_see);
+  ground.draw(programs.ground, programs.ground_at_tunnels, camera.position_m, ground_error_pixels * pixel, may_see);
   if (&programs == &picture) show_ground_to_roads();
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
@@ -215,7 +216,7 @@ Status Renderer::State::draw_picture(const Camera& camera, int width, int height
   // The road's edge fades over the ground drawn before it.
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  draw_scene(picture, camera, width, height, options.least_contribution);
+  draw_scene(picture, camera, width, height, options.least_contribution, options.ground_error_pixels);
   glDisable(GL_BLEND);
   glBlitNamedFramebuffer(drawn.framebuffer(), resolved.framebuffer(), 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -233,7 +234,7 @@ Status Renderer::State::draw_channels(const Camera& camera, int width, int heigh
   glClearBufferfv(GL_COLOR, 1, none);
   glClearBufferfv(GL_COLOR, 2, none);
   glClearBufferfv(GL_DEPTH, 0, none);
-  draw_scene(data, camera, width, height, 0);
+  draw_scene(data, camera, width, height, 0, 0);
   return Done{};
 }
 

@@ -65,8 +65,9 @@ struct RendererOptions {
   // at most this part of full brightness even if roads covered all the ground there; TileIndex::contribution has the
   // derivation. 0: none is left out. In [0, 1]. Default: four steps of 8 bits, of which real roads take a fraction
   double least_contribution = 4.0 / 255;
-  // How far the ground's mesh may be off, in height, seen from the eye straight on: its triangles are joined within that,
-  // never so that one comes through a road (terrain/detail.h). 0: all are drawn. >= 0. Default: half a pixel
+  // How far the ground's mesh may be off in the picture, in height, seen from the eye straight on: its triangles are joined
+  // within that, never so that one comes through a road (terrain/detail.h). Data channels show all of it, so that depth
+  // and contact agree. 0: the picture too. >= 0. Default: half a pixel
   double ground_error_pixels = 0.5;
   // False: what lies outside of the view is drawn too, for comparison.
   bool cull = true;

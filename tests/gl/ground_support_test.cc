@@ -18,6 +18,7 @@
 #include "terrain/terrain.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/gl/ground_rays.h"
+#include "tests/joined_ground.h"
 #include "tests/temporary_folder.h"
 #include "tests/unit/terrain_scenes.h"
 
@@ -82,11 +83,12 @@ class GroundSupportTest : public test::GlTest {
     ASSERT_EQ(terrain_->report().tunnel_parts, 1u);
     ASSERT_GT(terrain_->report().tunnel_m, 80);
   }
-  Renderer renderer() {
+  Renderer renderer() { return renderer(terrain_->tiles()); }
+  Renderer renderer(std::span<const TerrainMesh> tiles) {
     auto made = Renderer::create(*make_context(ContextKind::kOsmesa));
     EXPECT_TRUE(made.ok()) << made.error().text();
     EXPECT_TRUE(made->load_roads(network_).ok());
-    EXPECT_TRUE(made->load_ground(terrain_->tiles()).ok());
+    EXPECT_TRUE(made->load_ground(tiles).ok());
     return std::move(*made);
   }
   // Random places along the roads, mostly near the portals and the bridge, within the tunnel and out of it.
@@ -130,6 +132,16 @@ TEST_F(GroundSupportTest, NoGroundInsideATunnelOrInFrontOfARoad) {
   EXPECT_EQ(counts.through, 0u);
   EXPECT_EQ(counts.lost, 0u);
   EXPECT_LE(static_cast<double>(counts.off_mesh), GroundCounts::kMostOffMesh * static_cast<double>(counts.ground));
+}
+
+TEST_F(GroundSupportTest, NorAtTheCoarsestLevelOfDetail) {
+  Renderer drawn = renderer(test::coarsest(terrain_->tiles()));
+  const GroundCounts counts = look(drawn, 60);
+  counts.print("mountain, coarsest");
+  EXPECT_GT(counts.road, 500000u);
+  EXPECT_GT(counts.ground, 500000u);
+  EXPECT_EQ(counts.faults(), 0u);
+  EXPECT_EQ(counts.lost, 0u);
 }
 
 // Through the portal the tunnel's far end is seen from the road before it, and the road in it.
@@ -258,14 +270,17 @@ TEST_P(GroundOfPlaces, ShowsNoGroundInTunnelsOrInFrontOfRoads) {
       if (sweep.kind() == SweepKind::kTunnel) ends.insert(ends.end(), {{i, sweep.s_start_m}, {i, sweep.s_end_m}});
     }
   }
+  // Of all triangles, of the coarsest level of detail, and of the roads alone.
+  const std::vector<TerrainMesh> coarse_tiles = test::coarsest(terrain->tiles());
+  EXPECT_EQ(test::triangle_count(coarse_tiles), report.triangles_coarsest);
   auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa));
-  ASSERT_TRUE(renderer.ok());
-  ASSERT_TRUE(renderer->load_roads(network).ok());
-  ASSERT_TRUE(renderer->load_ground(terrain->tiles()).ok());
+  auto coarse = Renderer::create(*make_context(ContextKind::kOsmesa));
   auto bare = Renderer::create(*make_context(ContextKind::kOsmesa));
-  ASSERT_TRUE(bare.ok() && bare->load_roads(network).ok());
+  ASSERT_TRUE(renderer.ok() && coarse.ok() && bare.ok());
+  ASSERT_TRUE(renderer->load_roads(network).ok() && coarse->load_roads(network).ok() && bare->load_roads(network).ok());
+  ASSERT_TRUE(renderer->load_ground(terrain->tiles()).ok() && coarse->load_ground(coarse_tiles).ok());
   const GroundRays rays(network, *terrain);
-  GroundCounts counts;
+  GroundCounts counts, coarse_counts;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::discrete_distribution<std::size_t> any(lengths.begin(), lengths.end());
@@ -283,11 +298,16 @@ TEST_P(GroundOfPlaces, ShowsNoGroundInTunnelsOrInFrontOfRoads) {
     camera.yaw_deg += 360 * uniform(random);
     camera.pitch_deg -= 40 * (uniform(random) - 0.3);
     const FrameOptions request{.width = 96, .height = 60, .channels = kLabel | kDepth};
-    const auto frame = renderer->render(camera, request);
-    ASSERT_TRUE(frame.ok());
-    rays.count(*frame, camera, counts, [&] { return std::move(*bare->render(camera, request)); });
+    for (const auto& [from, into] : {std::pair(&renderer, &counts), std::pair(&coarse, &coarse_counts)}) {
+      const auto frame = (*from)->render(camera, request);
+      ASSERT_TRUE(frame.ok());
+      rays.count(*frame, camera, *into, [&] { return std::move(*bare->render(camera, request)); });
+    }
   }
   counts.print(GetParam().roads);
+  coarse_counts.print("at the coarsest level of detail");
+  EXPECT_EQ(coarse_counts.faults(), 0u);
+  EXPECT_EQ(coarse_counts.lost, 0u);
   EXPECT_GT(counts.ground, static_cast<std::size_t>(500 * cameras));
   EXPECT_GT(counts.road, static_cast<std::size_t>(300 * cameras));
   EXPECT_EQ(counts.faults(), 0u);

@@ -14,6 +14,7 @@
 #include "roadgen/render/shader_source.h"
 #include "terrain/terrain.h"
 #include "tests/gl/gl_fixture.h"
+#include "tests/joined_ground.h"
 #include "tests/temporary_folder.h"
 
 namespace roadgen {
@@ -104,6 +105,48 @@ TEST_F(GroundTest, NoGroundShowsThroughTheRoad) {
   EXPECT_GT(counts.road, 50000u);
   EXPECT_GT(counts.ground, 500000u);
   EXPECT_EQ(counts.through, 0u);
+}
+
+// Nor at any level of detail: the coarsest there is, and what is drawn within so many pixels from the road's middle.
+TEST_F(GroundTest, NoGroundShowsThroughTheRoadAtAnyLevelOfDetail) {
+  auto terrain = Terrain::build(network_, &*elevation_);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  const std::vector<TerrainMesh> least = test::coarsest(terrain->tiles());
+  EXPECT_EQ(test::triangle_count(least), terrain->report().triangles_coarsest);
+  EXPECT_LT(test::triangle_count(least), terrain->report().triangles / 2);
+  std::vector<std::vector<TerrainMesh>> levels{least};
+  const Road& road = network_.roads[0];
+  for (const double part : {0.0003, 0.003, 0.03}) {
+    const Camera middle = drive_camera(road, 0.5 * road.length_m(), 0, 1.5);
+    levels.push_back(test::joined(terrain->tiles(), {.eye_m = middle.position_m, .room_m = 1, .part = part}));
+  }
+  for (const std::vector<TerrainMesh>& level : levels) {
+    const Counts counts = look(level);
+    std::printf("%zu of %zu triangles: %zu pixels of road, %zu of ground, %zu of ground through the road\n",
+                test::triangle_count(level), terrain->report().triangles, counts.road, counts.ground, counts.through);
+    EXPECT_GT(counts.road, 50000u);
+    EXPECT_GT(counts.ground, 500000u);
+    EXPECT_EQ(counts.through, 0u);
+  }
+}
+
+// The picture is drawn from fewer triangles than the data channels; asked for no error, from the same.
+TEST_F(GroundTest, ThePictureHasLevelsOfDetailAndTheDataChannelsHaveNone) {
+  auto terrain = Terrain::build(network_, &*elevation_);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  const Camera camera = flight_camera(network_.roads[0], 1000, {});
+  const auto drawn = [&](double error, unsigned channels) {
+    RendererOptions options;
+    options.ground_error_pixels = error;
+    auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa), options);
+    EXPECT_TRUE(renderer.ok() && renderer->load_ground(terrain->tiles()).ok());
+    EXPECT_TRUE(renderer->render(camera, {.width = kWidth, .height = kHeight, .channels = channels}).ok());
+    return renderer->ground_statistics().drawn_triangles;
+  };
+  EXPECT_EQ(drawn(0.5, kDepth), drawn(0, kDepth));
+  EXPECT_EQ(drawn(0, kColor), drawn(0, kDepth));
+  EXPECT_LT(drawn(0.5, kColor), drawn(0, kDepth) / 2);
+  EXPECT_LT(drawn(4, kColor), drawn(0.5, kColor) / 2);
 }
 
 // The picture's samples lie off the pixel's centre, where the ground may be nearer than the road is at the centre.

@@ -6,12 +6,14 @@
 #include <numbers>
 #include <random>
 #include <set>
+#include <span>
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
 #include "terrain/bisection.h"
 #include "terrain/plates.h"
+#include "tests/joined_ground.h"
 #include "tests/unit/terrain_scenes.h"
 
 namespace roadgen {
@@ -220,22 +222,14 @@ Corner corner(const TerrainMesh& tile, std::uint32_t v) {
   return {static_cast<long long>(scaled.x), static_cast<long long>(scaled.y)};
 }
 
-TEST(Terrain, TheMeshHasNoCracksAndNoSlivers) {
-  const Elevation elevation = rough_elevation(scratch_folder());
-  TerrainOptions options = small();
-  options.margin_m = 900;
-  const auto terrain = Terrain::build(hairpin_network(0.08), &elevation, options);
-  ASSERT_TRUE(terrain);
-  const Rectangle area = terrain->report().area;
-  EXPECT_GT(terrain->tiles().size(), 1u);
+// Every triangle is a real one, every edge is one of two triangles, or lies on the border of the area, and tiles agree.
+void expect_no_cracks(std::span<const TerrainMesh> tiles, const Rectangle& area) {
   std::map<std::pair<Corner, Corner>, int> edges;
   std::map<Corner, double> heights;
   double total = 0;
-  std::size_t triangles = 0;
-  for (const TerrainMesh& tile : terrain->tiles()) {
+  for (const TerrainMesh& tile : tiles) {
     ASSERT_EQ(tile.positions_m.size(), tile.normals.size());
     for (std::size_t i = 0; i + 2 < tile.triangles.size(); i += 3) {
-      ++triangles;
       Corner c[3];
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t v = tile.triangles[i + k];
@@ -251,7 +245,6 @@ TEST(Terrain, TheMeshHasNoCracksAndNoSlivers) {
       for (int k = 0; k < 3; ++k) ++edges[{c[k], c[(k + 1) % 3]}];
     }
   }
-  EXPECT_EQ(triangles, terrain->report().triangles);
   EXPECT_NEAR(total, (area.high_m.x - area.low_m.x) * (area.high_m.y - area.low_m.y), 1e-3);
   double border = 0;
   for (const auto& [edge, count] : edges) {
@@ -266,6 +259,58 @@ TEST(Terrain, TheMeshHasNoCracksAndNoSlivers) {
                 (dy == 0 && (y == area.low_m.y || y == area.high_m.y)));
   }
   EXPECT_NEAR(border, 2 * (area.high_m.x - area.low_m.x + area.high_m.y - area.low_m.y), 1e-6);
+}
+
+TEST(Terrain, TheMeshHasNoCracksAndNoSlivers) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  TerrainOptions options = small();
+  options.margin_m = 900;
+  const auto terrain = Terrain::build(hairpin_network(0.08), &elevation, options);
+  ASSERT_TRUE(terrain);
+  EXPECT_GT(terrain->tiles().size(), 1u);
+  EXPECT_EQ(test::triangle_count(terrain->tiles()), terrain->report().triangles);
+  expect_no_cracks(terrain->tiles(), terrain->report().area);
+}
+
+// Seen from any place, within any part of its distance: without cracks, also between tiles, and no further from the mesh.
+TEST(Terrain, LevelsOfDetailHaveNoCracksAndStayWithinTheirError) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  TerrainOptions options = small();
+  options.margin_m = 900;
+  const auto terrain = Terrain::build(hairpin_network(0.08), &elevation, options);
+  ASSERT_TRUE(terrain);
+  const TerrainReport& report = terrain->report();
+  std::mt19937 random(14);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::size_t last = report.triangles;
+  for (const double part : {0.0, 0.0005, 0.002, 0.01, 0.05}) {
+    const glm::dvec2 flat = glm::mix(report.area.low_m, report.area.high_m, glm::dvec2(unit(random), unit(random)));
+    const glm::dvec3 eye(flat, terrain->height_m(flat) + 2 + 50 * unit(random));
+    const std::vector<TerrainMesh> tiles = test::joined(terrain->tiles(), {.eye_m = eye, .part = part});
+    expect_no_cracks(tiles, report.area);
+    double worst = 0;
+    for (const TerrainMesh& tile : tiles) {
+      for (std::size_t i = 0; i + 2 < tile.triangles.size(); i += 3) {
+        const auto at = [&](std::size_t k) { return glm::dvec3(tile.positions_m[tile.triangles[i + k]]); };
+        for (int sample = 0; sample < 20; ++sample) {
+          double a = unit(random), b = unit(random);
+          if (a + b > 1) a = 1 - a, b = 1 - b;
+          const glm::dvec3 p = tile.origin_m + at(0) + a * (at(1) - at(0)) + b * (at(2) - at(0));
+          const double off = std::abs(terrain->height_m(glm::dvec2(p)) - p.z);
+          worst = std::max(worst, (off - 1e-9) / std::max(part * glm::length(p - eye), 1e-9));
+        }
+      }
+    }
+    std::printf("%.4f of the distance: %zu of %zu triangles, at most %.3f of the error\n", part,
+                test::triangle_count(tiles), report.triangles, worst);
+    EXPECT_LE(worst, 1);
+    EXPECT_LE(test::triangle_count(tiles), last);
+    last = test::triangle_count(tiles);
+  }
+  EXPECT_LT(last, report.triangles / 5);
+  const std::vector<TerrainMesh> coarsest = test::coarsest(terrain->tiles());
+  EXPECT_EQ(test::triangle_count(coarsest), report.triangles_coarsest);
+  expect_no_cracks(coarsest, report.area);
 }
 
 TEST(Terrain, HeightIsThatOfTheDrawnTriangles) {
