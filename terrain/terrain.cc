@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <numbers>
 #include <set>
+#include <unordered_map>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -33,6 +35,38 @@ constexpr double kNotLevelled_m = 0.25;  // below a road by more than this and t
 // Far from the roads no leg is longer than this, lest a sampled error miss a whole mountain.
 constexpr double kLegAtRoad_m = 8, kLegPerMetre = 0.12;
 
+// Heights of the levelled ground near roads, where they take long and are asked for again and again: by the triangles
+// on both sides of an edge, for its vertex when it is halved, by neighbours for normals. Any number of threads may ask.
+class KnownHeights {
+ public:
+  explicit KnownHeights(const Levelling& ground) : ground_(ground) {}
+  // quarters: of the lattice's unit, the place in which that is point_m.
+  double height_m(glm::ivec2 quarters, glm::dvec2 point_m) const {
+    if (ground_.is_natural(point_m)) return ground_.height_m(point_m);
+    const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(quarters.x)) << 32 |
+                              static_cast<std::uint32_t>(quarters.y);
+    Shelf& shelf = shelves_[(key * 0x9e3779b97f4a7c15u) >> 56];
+    {
+      const std::lock_guard<std::mutex> lock(shelf.mutex);
+      const auto found = shelf.heights.find(key);
+      if (found != shelf.heights.end()) return found->second;
+    }
+    const double height = ground_.height_m(point_m);
+    const std::lock_guard<std::mutex> lock(shelf.mutex);
+    shelf.heights.emplace(key, height);
+    return height;
+  }
+  const Levelling& ground() const { return ground_; }
+
+ private:
+  struct Shelf {
+    std::mutex mutex;
+    std::unordered_map<std::uint64_t, double> heights;
+  };
+  const Levelling& ground_;
+  mutable std::array<Shelf, 256> shelves_;
+};
+
 double quantised(double x, double quantum) { return std::round(x / quantum) * quantum; }
 
 Error usage(const char* message) { return Error{ErrorCode::kUsage, message}; }
@@ -57,8 +91,11 @@ struct Terrain::Impl {
   void lay_out(const Network& network, const Elevation* elevation);
   Grid natural_ground(const Network& network, const Elevation* elevation) const;
   std::array<glm::dvec3, 3> corners(const Bisection::Triangle& t) const;
-  bool is_wanted(const Levelling& ground, const Plates& roads, const Bisection::Triangle& t, double factor) const;
-  void triangulate(const Levelling& ground, const Plates& roads);
+  double height_m(const KnownHeights& ground, glm::dvec2 lattice) const {
+    return ground.height_m(glm::ivec2(4.0 * lattice), to_world(lattice));
+  }
+  bool is_wanted(const KnownHeights& ground, const Plates& roads, const Bisection::Triangle& t, double factor) const;
+  void triangulate(const KnownHeights& ground, const Plates& roads);
   void guarantee(const Plates& roads);
   void lower(const Plates& roads);
   std::vector<std::int32_t> prove(const Plates& roads);
@@ -68,7 +105,7 @@ struct Terrain::Impl {
   const Hollow* hollow_above(glm::dvec3 point_m) const;
   void add_cuts(const std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>>& cut, TerrainMesh& out);
   VertexDetail detail(const Plates& roads);
-  void emit(const Levelling& ground, const VertexDetail& detail);
+  void emit(const KnownHeights& ground, const VertexDetail& detail);
   void tell(double fraction) const {
     if (options.progress) options.progress(fraction);
   }
@@ -153,13 +190,13 @@ std::array<glm::dvec3, 3> Terrain::Impl::corners(const Bisection::Triangle& t) c
 
 // Whether a triangle is too coarse: under a carriageway it could not be low enough everywhere and nowhere too low, or it
 // has long legs, or deviates from the ground.
-bool Terrain::Impl::is_wanted(const Levelling& ground, const Plates& roads, const Bisection::Triangle& t,
+bool Terrain::Impl::is_wanted(const KnownHeights& ground, const Plates& roads, const Bisection::Triangle& t,
                               double factor) const {
   const glm::dvec2 left(mesh->lattice(t.left)), right(mesh->lattice(t.right)), apex(mesh->lattice(t.apex));
   const glm::dvec2 middle = 0.5 * (left + right);  // of the circle around a right triangle
   const double radius = 0.5 * glm::length(right - left) * unit_m;
   const double leg = std::numbers::sqrt2 * radius;
-  const double edge = ground.edge_distance_m(to_world(middle), radius + 4 * unit_m) - radius;
+  const double edge = ground.ground().edge_distance_m(to_world(middle), radius + 4 * unit_m) - radius;
   if (leg > factor * (kLegAtRoad_m + kLegPerMetre * std::max(edge, 0.0))) return true;
   if (edge <= 0) {
     const ClearanceBounds clearance = roads.over(corners(t));
@@ -171,13 +208,13 @@ bool Terrain::Impl::is_wanted(const Levelling& ground, const Plates& roads, cons
     const double plane = mesh->height(t.apex) + to_left * (mesh->height(t.left) - mesh->height(t.apex)) +
                          to_right * (mesh->height(t.right) - mesh->height(t.apex));
     const glm::dvec2 p = apex + to_left * (left - apex) + to_right * (right - apex);
-    return std::abs(ground.height_m(to_world(p)) - plane) > tolerance;
+    return std::abs(height_m(ground, p) - plane) > tolerance;
   };
   return misses(0.5, 0.5) || misses(0.5, 0) || misses(0, 0.5) || (t.level < 2 * k - 3 && misses(0.25, 0.25));
 }
 
-void Terrain::Impl::triangulate(const Levelling& ground, const Plates& roads) {
-  const auto height = [&](glm::ivec2 p) { return quantised(ground.height_m(to_world(glm::dvec2(p))), kVertical_m); };
+void Terrain::Impl::triangulate(const KnownHeights& ground, const Plates& roads) {
+  const auto height = [&](glm::ivec2 p) { return quantised(height_m(ground, glm::dvec2(p)), kVertical_m); };
   double factor = 1;
   for (int attempt = 0;; ++attempt, factor *= kRetryFactor) {
     mesh = std::make_unique<Bisection>(tile_count, k, height);
@@ -338,19 +375,18 @@ VertexDetail Terrain::Impl::detail(const Plates& roads) {
   return detail;
 }
 
-void Terrain::Impl::emit(const Levelling& ground, const VertexDetail& detail) {
+void Terrain::Impl::emit(const KnownHeights& ground, const VertexDetail& detail) {
   std::vector<std::uint32_t> local(mesh->vertices());
   std::vector<std::int32_t> seen(mesh->vertices(), -1);
   std::vector<glm::vec3> normals(mesh->vertices());
   for_each_index(normals.size(), [&](std::size_t v) {
-    const glm::dvec2 w = to_world(glm::dvec2(mesh->lattice(static_cast<std::uint32_t>(v)))), east(unit_m, 0),
-                     north(0, unit_m);
-    const glm::dvec2 slope(ground.height_m(w + east) - ground.height_m(w - east),
-                           ground.height_m(w + north) - ground.height_m(w - north));
+    const glm::dvec2 at(mesh->lattice(static_cast<std::uint32_t>(v))), east(1, 0), north(0, 1);
+    const glm::dvec2 slope(height_m(ground, at + east) - height_m(ground, at - east),
+                           height_m(ground, at + north) - height_m(ground, at - north));
     normals[v] = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * unit_m)));
   });
   tell(0.9);
-  const Bounds roads = bounds(ground.index().network());
+  const Bounds roads = bounds(ground.ground().index().network());
   const double z0 = quantised(0.5 * (roads.low_m.z + roads.high_m.z), 1.0);
   for (int tile = 0; tile < tile_count.x * tile_count.y; ++tile) {
     const glm::ivec2 place(tile % tile_count.x, tile / tile_count.x);
@@ -434,7 +470,8 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   const double level_m = impl->options.levelling.gap_m + kNotLevelled_m;
   roads.find_levelled([&](glm::dvec2 p) { return ground.height_m(p); }, level_m);
   impl->tell(0.3);
-  impl->triangulate(ground, roads);
+  const KnownHeights known(ground);
+  impl->triangulate(known, roads);
   impl->tell(0.65);
   impl->guarantee(roads);
   impl->find_hollows(ground.supports());
@@ -442,7 +479,7 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   impl->tell(0.75);
   const VertexDetail detail = impl->detail(roads);
   impl->tell(0.8);
-  impl->emit(ground, detail);
+  impl->emit(known, detail);
   impl->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return Terrain(std::move(impl));
 }
