@@ -19,6 +19,7 @@
 #include "terrain/bisection.h"
 #include "terrain/detail.h"
 #include "terrain/plates.h"
+#include "terrain/terrain_impl.h"
 
 namespace roadgen {
 namespace {
@@ -35,81 +36,11 @@ constexpr double kNotLevelled_m = 0.25;  // below a road by more than this and t
 // Far from the roads no leg is longer than this, lest a sampled error miss a whole mountain.
 constexpr double kLegAtRoad_m = 8, kLegPerMetre = 0.12;
 
-// Heights of the levelled ground near roads, where they take long and are asked for again and again: by the triangles
-// on both sides of an edge, for its vertex when it is halved, by neighbours for normals. Any number of threads may ask.
-class KnownHeights {
- public:
-  explicit KnownHeights(const Levelling& ground) : ground_(ground) {}
-  // quarters: of the lattice's unit, the place in which that is point_m.
-  double height_m(glm::ivec2 quarters, glm::dvec2 point_m) const {
-    if (ground_.is_natural(point_m)) return ground_.height_m(point_m);
-    const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(quarters.x)) << 32 |
-                              static_cast<std::uint32_t>(quarters.y);
-    Shelf& shelf = shelves_[(key * 0x9e3779b97f4a7c15u) >> 56];
-    {
-      const std::lock_guard<std::mutex> lock(shelf.mutex);
-      const auto found = shelf.heights.find(key);
-      if (found != shelf.heights.end()) return found->second;
-    }
-    const double height = ground_.height_m(point_m);
-    const std::lock_guard<std::mutex> lock(shelf.mutex);
-    shelf.heights.emplace(key, height);
-    return height;
-  }
-  const Levelling& ground() const { return ground_; }
-
- private:
-  struct Shelf {
-    std::mutex mutex;
-    std::unordered_map<std::uint64_t, double> heights;
-  };
-  const Levelling& ground_;
-  mutable std::array<Shelf, 256> shelves_;
-};
-
 double quantised(double x, double quantum) { return std::round(x / quantum) * quantum; }
 
 Error usage(const char* message) { return Error{ErrorCode::kUsage, message}; }
 
 }  // namespace
-
-struct Terrain::Impl {
-  TerrainOptions options;
-  TerrainReport report;
-  std::vector<TerrainMesh> tiles;
-  double unit_m = 1;  // of the lattice
-  glm::dvec2 origin_m{0, 0};
-  int k = 9;
-  glm::ivec2 tile_count{1, 1};
-  std::unique_ptr<Bisection> mesh;
-  std::vector<Hollow> hollows;
-  BoxTree hollow_tree;
-
-  glm::dvec2 to_world(glm::dvec2 lattice) const { return origin_m + unit_m * lattice; }
-  glm::dvec2 to_lattice(glm::dvec2 point_m) const { return (point_m - origin_m) / unit_m; }
-
-  void lay_out(const Network& network, const Elevation* elevation);
-  Grid natural_ground(const Network& network, const Elevation* elevation) const;
-  std::array<glm::dvec3, 3> corners(const Bisection::Triangle& t) const;
-  double height_m(const KnownHeights& ground, glm::dvec2 lattice) const {
-    return ground.height_m(glm::ivec2(4.0 * lattice), to_world(lattice));
-  }
-  bool is_wanted(const KnownHeights& ground, const Plates& roads, const Bisection::Triangle& t, double factor) const;
-  void triangulate(const KnownHeights& ground, const Plates& roads);
-  void guarantee(const Plates& roads);
-  void lower(const Plates& roads);
-  std::vector<std::int32_t> prove(const Plates& roads);
-  void measure(const Network& network, const Supports& supports, const Grid& natural);
-  void find_hollows(const Supports& supports);
-  std::vector<std::uint32_t> hollows_met(const std::array<glm::dvec3, 3>& triangle) const;
-  const Hollow* hollow_above(glm::dvec3 point_m) const;
-  void add_cuts(const std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>>& cut, TerrainMesh& out);
-  VertexDetail detail(const Plates& roads);
-  void emit(const KnownHeights& ground, const VertexDetail& detail);
-  void tell(double fraction) const {
-    if (options.progress) options.progress(fraction);
-  }
-};
 
 namespace {
 
@@ -224,19 +155,30 @@ void Terrain::Impl::triangulate(const KnownHeights& ground, const Plates& roads)
   report.tolerance_factor = factor;
 }
 
+std::vector<ClearanceBounds> Terrain::Impl::clearances(const Plates& roads,
+                                                       const std::vector<std::int32_t>& leaves) const {
+  std::vector<ClearanceBounds> bounds(leaves.size());
+  for_each_index(leaves.size(), [&](std::size_t i) { bounds[i] = roads.over(corners(mesh->triangle(leaves[i]))); });
+  return bounds;
+}
+
 // Lowers every triangle whose proven clearance is too small. That takes clearance away nowhere, so one pass is enough.
 void Terrain::Impl::lower(const Plates& roads) {
   report.triangles_lowered = 0;
   report.lowered_max_m = 0;
-  mesh->each_leaf([&](std::int32_t leaf) {
-    const Bisection::Triangle& t = mesh->triangle(leaf);
-    const double lacking = options.least_clearance_m - roads.over(corners(t)).least_m;
-    if (lacking <= 0) return;
-    const double by = std::ceil(lacking / kVertical_m) * kVertical_m;
-    for (const std::uint32_t vertex : {t.apex, t.left, t.right}) mesh->set_height(vertex, mesh->height(vertex) - by);
+  const std::vector<std::int32_t> leaves = mesh->all_leaves();
+  const std::vector<ClearanceBounds> bounds = clearances(roads, leaves);
+  std::vector<double> by(mesh->vertices(), 0);
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const double lacking = options.least_clearance_m - bounds[i].least_m;
+    if (lacking <= 0) continue;
+    const double drop = std::ceil(lacking / kVertical_m) * kVertical_m;
+    const Bisection::Triangle& t = mesh->triangle(leaves[i]);
+    for (const std::uint32_t vertex : {t.apex, t.left, t.right}) by[vertex] = std::max(by[vertex], drop);
     ++report.triangles_lowered;
-    report.lowered_max_m = std::max(report.lowered_max_m, by);
-  });
+    report.lowered_max_m = std::max(report.lowered_max_m, drop);
+  }
+  for (std::uint32_t v = 0; v < by.size(); ++v) mesh->set_height(v, mesh->height(v) - by[v]);
 }
 
 // Reports the bounds of the clearance, and returns the triangles that lie too deep and may be divided.
@@ -246,20 +188,21 @@ std::vector<std::int32_t> Terrain::Impl::prove(const Plates& roads) {
   report.triangles_under_roads = 0;
   std::size_t deep = 0;
   std::vector<std::int32_t> divisible;
-  mesh->each_leaf([&](std::int32_t leaf) {
-    const std::array<glm::dvec3, 3> t = corners(mesh->triangle(leaf));
-    const ClearanceBounds clearance = roads.over(t);
-    if (!clearance.touches()) return;
+  const std::vector<std::int32_t> leaves = mesh->all_leaves();
+  const std::vector<ClearanceBounds> bounds = clearances(roads, leaves);
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const ClearanceBounds& clearance = bounds[i];
+    if (!clearance.touches()) continue;
     ++report.triangles_under_roads;
     report.clearance_min_m = std::min(report.clearance_min_m, clearance.least_m);
     if (clearance.most_m > report.clearance_max_m) {
       report.clearance_max_m = clearance.most_m;
-      report.clearance_max_at_m = t[0];
+      report.clearance_max_at_m = corners(mesh->triangle(leaves[i]))[0];
     }
-    if (clearance.most_m <= options.most_clearance_m) return;
+    if (clearance.most_m <= options.most_clearance_m) continue;
     ++deep;
-    if (mesh->triangle(leaf).level < mesh->finest()) divisible.push_back(leaf);
-  });
+    if (mesh->triangle(leaves[i]).level < mesh->finest()) divisible.push_back(leaves[i]);
+  }
   report.too_deep =
       static_cast<double>(deep) / static_cast<double>(std::max<std::size_t>(report.triangles_under_roads, 1));
   return divisible;
@@ -305,8 +248,7 @@ void Terrain::Impl::measure(const Network& network, const Supports& supports, co
   report.tunnel_m = supports.length_m(Support::kTunnel);
 }
 
-void Terrain::Impl::find_hollows(const Supports& supports) {
-  hollows = supports.hollows();
+void Terrain::Impl::index_hollows() {
   std::vector<Box> boxes;
   for (const Hollow& hollow : hollows) boxes.push_back(hollow.box());
   if (!boxes.empty()) hollow_tree = BoxTree(boxes);
@@ -474,7 +416,8 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   impl->triangulate(known, roads);
   impl->tell(0.65);
   impl->guarantee(roads);
-  impl->find_hollows(ground.supports());
+  impl->hollows = ground.supports().hollows();
+  impl->index_hollows();
   impl->measure(network, ground.supports(), natural);
   impl->tell(0.75);
   const VertexDetail detail = impl->detail(roads);
