@@ -39,6 +39,15 @@ Bisection::Bisection(glm::ivec2 tiles, int k, Height height) : tiles_(tiles), k_
   child_.assign(leaves_, -1);
 }
 
+Bisection::Bisection(glm::ivec2 tiles, int k, Kept kept)
+    : tiles_(tiles),
+      k_(k),
+      leaves_(static_cast<std::size_t>(std::count(kept.child.begin(), kept.child.end(), -1))),
+      triangles_(std::move(kept.triangles)),
+      child_(std::move(kept.child)),
+      lattice_(std::move(kept.lattice)),
+      heights_(std::move(kept.heights)) {}
+
 bool Bisection::refine(const Wanted& wanted, std::size_t most_triangles) {
   // Wave by wave: what is wanted of the triangles so far, then the splits, whose children and forced neighbours are the
   // next wave, then the heights of the new vertices. The splits depend on no order, so neither does the mesh.

@@ -31,6 +31,16 @@ class Bisection {
   // Requires: tiles >= 1 each way, 1 <= k <= 14, tiles * 2^k < 2^30. Heights of the corners are asked at once. height and
   // what refine() is given are asked from several threads.
   Bisection(glm::ivec2 tiles, int k, Height height);
+  // One that a file held, see kept(). It cannot be refined.
+  struct Kept {
+    std::vector<Triangle> triangles;
+    std::vector<std::int32_t> child;
+    std::vector<glm::ivec2> lattice;
+    std::vector<double> heights;
+  };
+  Bisection(glm::ivec2 tiles, int k, Kept kept);
+  // All that it is made of, for a file.
+  Kept kept() const { return {triangles_, child_, lattice_, heights_}; }
 
   // Splits every triangle that wanted() wants split and that is not of the finest level, until none is or there are
   // more than most_triangles. False in the latter case. Cost: O(triangles).
@@ -56,6 +66,12 @@ class Bisection {
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       if (child_[i] >= 0) visit(static_cast<std::int32_t>(i));
     }
+  }
+  std::vector<std::int32_t> all_leaves() const {
+    std::vector<std::int32_t> leaves;
+    leaves.reserve(leaves_);
+    each_leaf([&](std::int32_t i) { leaves.push_back(i); });
+    return leaves;
   }
   std::size_t triangle_count() const { return triangles_.size(); }  // halved ones too
   // The first of the two that a triangle was halved into: (middle; apex, left), after it (middle; right, apex). -1: a leaf.

@@ -166,6 +166,7 @@ struct Elevation::Impl {
   std::string path, vertical_datum;
   Grid grid;
   std::size_t voids = 0;
+  std::vector<bool> known;  // of the posts; empty: all
   bool geographic = false;
   double metres_per_unit = 1;
   Transformation from_geographic;  // (longitude, latitude) to the file's coordinates; none where they are the same
@@ -294,6 +295,7 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
     return at_file(path, ErrorCode::kData, "the raster holds no heights, only voids");
   }
   impl->voids = fill_holes(grid, known);
+  if (impl->voids > 0) impl->known.assign(known.begin(), known.end());
   if (impl->voids > 0 && diagnostics != nullptr) {
     diagnostics->push_back(
         {Severity::kInfo, std::to_string(impl->voids) + " voids filled from their surroundings", path});
@@ -316,6 +318,18 @@ bool Elevation::covers(glm::dvec2 place) const {
   e.low -= slack;
   e.high += slack;
   return e.contains(impl_->own(place));
+}
+
+bool Elevation::is_measured(glm::dvec2 place) const {
+  if (!covers(place)) return false;
+  if (impl_->known.empty()) return true;
+  const Grid& grid = impl_->grid;
+  const glm::dvec2 at = (impl_->own(place) - grid.origin_m) / grid.step_m;
+  const int column = std::clamp(static_cast<int>(at.x), 0, grid.columns - 2);
+  const int row = std::clamp(static_cast<int>(at.y), 0, grid.rows - 2);
+  const auto is_known = [&](int x, int y) { return impl_->known[static_cast<std::size_t>(y) * grid.columns + x]; };
+  return is_known(column, row) && is_known(column + 1, row) && is_known(column, row + 1) &&
+         is_known(column + 1, row + 1);
 }
 
 Extent Elevation::extent() const { return impl_->extent; }

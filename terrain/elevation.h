@@ -57,6 +57,9 @@ class Elevation {
   // False beyond the outermost posts.
   bool covers(glm::dvec2 place) const;
 
+  // Whether all of the four posts about the place are heights of the file, not filled voids, and it is not outside.
+  bool is_measured(glm::dvec2 place) const;
+
   // The places of the outermost posts; for a model in a projection, the box around them.
   Extent extent() const;
 

@@ -63,6 +63,15 @@ double passing_edge_m(const SupportedPart& part, const Segment& segment, glm::dv
   return std::hypot(along * scale, beside);
 }
 
+// At least this far is the point from the segment's carriageway: from the chord, less what the curve bulges by.
+double least_edge_m(const Segment& segment, glm::dvec2 point_m) {
+  constexpr double kBulge = 4.0 / 27;  // max of x (1 - x)^2
+  const glm::dvec2 p = to_chord(segment, point_m);
+  const double bulge = kBulge * (std::abs(segment.slope_start) + std::abs(segment.slope_end));
+  const double beside = std::max(std::abs(p.y) - bulge, 0.0), beyond = std::max({-p.x, p.x - 1, 0.0});
+  return segment.chord_length_m() * std::hypot(beside, beyond) - segment.max_half_width_m();
+}
+
 }  // namespace
 
 Grid distance_from_roads(const Network& network, const Grid& like) {
@@ -215,6 +224,7 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
   Wish wish{limit_m, 0};
   double nearest_z = 0, lowest = 1e300;
   index_.visit_within(point_m, limit_m, [&](SegmentRef ref, const Segment& segment) {
+    if (least_edge_m(segment, point_m) >= std::max(wish.edge_m, options_.shoulder_m)) return;
     for (const SupportedPart& part : supports_.of(index_.network(), ref)) {
       if (part.support != Support::kGround) continue;
       double z = 0;
@@ -230,8 +240,8 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
   index_.visit_junctions(point_m, limit_m, [&](std::uint32_t i, const JunctionSurface& surface) {
     if (supports_.of_junction(i) != Support::kGround) return;
     const double edge = std::max(-signed_distance_m(surface, point_m), 0.0);
-    if (edge >= limit_m) return;
-    const double z = height_at(surface, point_m).height_m;
+    if (edge >= limit_m || (edge >= wish.edge_m && edge > options_.shoulder_m)) return;
+    const double z = height_m_at(surface, point_m);
     if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
     if (edge < wish.edge_m) {
       wish.edge_m = edge;
@@ -272,8 +282,12 @@ Levelling::Blend Levelling::blend(glm::dvec2 point_m) const {
   return {reference + mean, std::sqrt(std::max(squares / weight - mean * mean, 0.0))};
 }
 
+bool Levelling::is_natural(glm::dvec2 point_m) const {
+  return far_distance_m(point_m) >= options_.reach_m + options_.shoulder_m;
+}
+
 double Levelling::height_m(glm::dvec2 point_m) const {
-  if (far_distance_m(point_m) >= options_.reach_m + options_.shoulder_m) return sample_bicubic(natural_, point_m);
+  if (is_natural(point_m)) return sample_bicubic(natural_, point_m);
   return below_bridges_m(point_m, levelled_m(point_m));
 }
 

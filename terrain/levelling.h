@@ -48,6 +48,10 @@ class Levelling {
   // O(segments within reach).
   double height_m(glm::dvec2 point_m) const;
 
+  // Whether the place is so far from all roads that the ground there is the natural one for sure. Cost: one bilinear
+  // sample.
+  bool is_natural(glm::dvec2 point_m) const;
+
   // Distance from the nearest carriageway on the ground: exact where it is less than limit_m, else at least limit_m or,
   // far away, a lower bound. 0 on a carriageway.
   double edge_distance_m(glm::dvec2 point_m, double limit_m) const;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <optional>
 
 #include <glm/common.hpp>
@@ -174,6 +175,20 @@ Rectangle covered_rectangle(const Elevation& elevation, const Network& network) 
 double elevation_enu_m(const Elevation& elevation, const Network& network, glm::dvec2 point_m) {
   if (!elevation.is_geographic()) return elevation.height_m(point_m);
   return solve_height(elevation, LocalFrame(*network.georeference), point_m, 0);
+}
+
+std::function<std::optional<double>(glm::dvec2)> measured_ground(const Elevation& elevation, const Network& network) {
+  if (!elevation.is_geographic()) {
+    return [&elevation](glm::dvec2 p) {
+      return elevation.is_measured(p) ? std::optional(elevation.height_m(p)) : std::nullopt;
+    };
+  }
+  return
+      [&elevation, frame = std::make_shared<LocalFrame>(*network.georeference)](glm::dvec2 p) -> std::optional<double> {
+        const double z = solve_height(elevation, *frame, p, 0);
+        const Geodetic g = frame->to_geodetic({p.x, p.y, z});
+        return elevation.is_measured({g.longitude_deg, g.latitude_deg}) ? std::optional(z) : std::nullopt;
+      };
 }
 
 Grid natural_from_elevation(const Elevation& elevation, const Network& network, const Rectangle& area,

@@ -2,6 +2,9 @@
 // there is none, from the heights of the roads themselves.
 #pragma once
 
+#include <functional>
+#include <optional>
+
 #include <glm/vec2.hpp>
 
 #include "roadgen/road/network.h"
@@ -28,6 +31,11 @@ Rectangle covered_rectangle(const Elevation& elevation, const Network& network);
 // the ellipsoid is the one whose east and north are the given ones when it is lifted to its own height.
 // Accuracy: 0.1 mm plus the interpolation. Requires: check_coverage passed.
 double elevation_enu_m(const Elevation& elevation, const Network& network, glm::dvec2 point_m);
+
+// The same for many places, and only where the model has a height of its own: none in filled voids or outside of it.
+// The function refers to both arguments. Requires: check_coverage passed.
+std::function<std::optional<double>(glm::dvec2 point_m)> measured_ground(const Elevation& elevation,
+                                                                         const Network& network);
 
 // Heights of the whole rectangle, a post at most every spacing_m; the grid covers the rectangle exactly.
 // Requires: check_coverage passed; low < high. Cost: about 1 us a post.

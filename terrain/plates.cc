@@ -18,7 +18,9 @@ namespace {
 using IntervalLib = glsl::Library<Interval>;
 
 constexpr double kLongest_m = 8, kShortest_m = 0.2;
-constexpr double kJunctionPart = 2;  // of the wanted error: intervals tell less of their surface
+constexpr double kJunctionPart = 2;     // of the wanted error: intervals tell less of their surface
+constexpr double kEnclosurePart = 0.5;  // of that: the rest is for the squares' own planes against the plate's
+constexpr int kMeanRounds = 3;
 constexpr double kJunctionPlate_m = 2, kShortestJunctionPlate_m = 0.5, kFinestJunctionBox_m = 0.07;  // half its side
 
 glm::dvec2 across(glm::dvec2 axis) { return {-axis.y, axis.x}; }
@@ -164,10 +166,17 @@ void add_part(const Segment& segment, const SupportedPart& part, double lowest_m
 // One piece of a junction's surface over a small square: its weight, and how far it is from a plane.
 struct Piece {
   Interval weight;
-  double weight_at = 0;  // at the middle
-  double off_at = 0;     // height over the plane there
-  double slope = 0;      // most difference of the gradients
+  Interval pull_x, pull_y;  // the weight's gradient by the weight
+  double weight_at = 0;     // at the middle
+  double off_at = 0;        // height over the plane there
+  Interval tilt_x, tilt_y;  // difference of the gradients
+  double slope() const { return std::hypot(tilt_x.magnitude(), tilt_y.magnitude()); }
 };
+
+// x / (x^2 + rest), rest > 0: x but once where it is not 0.
+Interval part_of_sum(Interval x, Interval rest) {
+  return x.holds(0) ? x / (square(x) + rest) : Interval(1) / (x + rest / x);
+}
 
 // plane: height at the square's middle, and gradient. x, y from the junction's centre.
 Piece piece_of(const Lib::JunctionCut& c, glm::dvec2 middle, double half, glm::dvec3 plane) {
@@ -177,7 +186,13 @@ Piece piece_of(const Lib::JunctionCut& c, glm::dvec2 middle, double half, glm::d
   const Interval n = about((middle.x - c.x1) * nx + (middle.y - c.y1) * ny + c.right, reach);
   const Interval beyond(n.low - std::clamp(n.low, c.right, c.left), n.high - std::clamp(n.high, c.right, c.left));
   Piece piece;
-  piece.weight = Interval(width) / (square(ahead) + square(beyond) + Interval(1e-6));
+  const Interval room = square(ahead) + square(beyond) + Interval(1e-6);
+  piece.weight = Interval(width) / room;
+  const bool is_beside = n.low >= c.right && n.high <= c.left;
+  const Interval by_ahead = Interval(-2) * part_of_sum(ahead, square(beyond) + Interval(1e-6));
+  const Interval by_n = is_beside ? Interval(0) : Interval(-2) * part_of_sum(beyond, square(ahead) + Interval(1e-6));
+  piece.pull_x = by_ahead * Interval(ny) + by_n * Interval(nx);
+  piece.pull_y = by_n * Interval(ny) - by_ahead * Interval(nx);
   Interval z_ahead = c.grade, z_n = c.tilt;
   if (c.fall_left != 0 || c.fall_right != 0) {
     const double both = c.fall_left + c.fall_right;
@@ -193,16 +208,53 @@ Piece piece_of(const Lib::JunctionCut& c, glm::dvec2 middle, double half, glm::d
                             (Interval(c.fall_right) * part(soft, at_right) - Interval(both) * part(soft, at_middle) +
                              Interval(c.fall_left) * part(soft, at_left));
   }
-  const Interval gx = z_ahead * Interval(ny) + z_n * Interval(nx) - Interval(plane.x);
-  const Interval gy = z_n * Interval(ny) - z_ahead * Interval(nx) - Interval(plane.y);
-  piece.slope = std::hypot(gx.magnitude(), gy.magnitude());
+  piece.tilt_x = z_ahead * Interval(ny) + z_n * Interval(nx) - Interval(plane.x);
+  piece.tilt_y = z_n * Interval(ny) - z_ahead * Interval(nx) - Interval(plane.y);
   const Lib::JunctionHeight at = Lib::junction_height_add_cut(Lib::junction_height_begin(), middle.x, middle.y, c);
   piece.weight_at = at.w;
   piece.off_at = at.z - plane.z;
   return piece;
 }
 
-Piece piece_of(const Lib::JunctionCorner& c, glm::dvec2 middle, double half, glm::dvec3 plane) {
+// A corner's rise along its curve less that of a plane, by its chord parameter, over equal parts of [0, 1]. The curve turns,
+// so the rise of either changes a lot along it; the difference hardly does where the corner lies near the plane.
+struct CornerRise {
+  glm::dvec2 plane{0, 0};  // slopes along the chord and to its left
+  std::array<Interval, 32> rise;
+
+  CornerRise(const Lib::JunctionCorner& c, glm::dvec3 around) {
+    plane = {around.x * c.cx + around.y * c.cy, around.y * c.cx - around.x * c.cy};
+    constexpr int kFine = 16;  // of each part
+    const double step = 1 / static_cast<double>(kFine * rise.size());
+    for (std::size_t i = 0; i < rise.size(); ++i) {
+      for (int k = 0; k < kFine; ++k) {
+        const double u = step * static_cast<double>(kFine * i + static_cast<std::size_t>(k));
+        const Interval part(u, u + step), near = about(0, 0.5 * step);
+        const double um = part.middle(), inverse = 1 / c.chord;
+        const Interval darc = IntervalLib::road_darc(part, c.a, c.b, c.arc * inverse, c.c0, c.c1);
+        const Interval s =
+            Interval(c.chord) * (Interval(Lib::road_arc(um, c.a, c.b, c.arc * inverse, c.c0, c.c1)) + darc * near);
+        const Interval df = hull(Interval(Lib::road_df(u, c.a, c.b)), Interval(Lib::road_df(u + step, c.a, c.b))) +
+                            about(0, step * step * (std::abs(c.a) + std::abs(c.b)) * 3);
+        const Interval here =
+            IntervalLib::road_dcubic(s, c.z1, c.z2, c.z3) * darc - Interval(plane.x) - Interval(plane.y) * df;
+        rise[i] = k == 0 ? here : hull(rise[i], here);
+      }
+    }
+  }
+
+  // Over all of u, within [0, 1].
+  Interval over(Interval u) const {
+    const auto part = [&](double at) {
+      return std::min(static_cast<std::size_t>(at * static_cast<double>(rise.size())), rise.size() - 1);
+    };
+    Interval found = rise[part(u.low)];
+    for (std::size_t i = part(u.low) + 1; i <= part(u.high); ++i) found = hull(found, rise[i]);
+    return found;
+  }
+};
+
+Piece piece_of(const Lib::JunctionCorner& c, const CornerRise& rise, glm::dvec2 middle, double half, glm::dvec3 plane) {
   const double inverse = 1 / c.chord, reach = half * (std::abs(c.cx) + std::abs(c.cy)) * inverse;
   const Interval px = about(((middle.x - c.x0) * c.cx + (middle.y - c.y0) * c.cy) * inverse, reach);
   const Interval py = about(((middle.y - c.y0) * c.cx - (middle.x - c.x0) * c.cy) * inverse, reach);
@@ -215,15 +267,14 @@ Piece piece_of(const Lib::JunctionCorner& c, glm::dvec2 middle, double half, glm
   const Interval f = Interval(Lib::road_f(um, c.a, c.b)) + df * near;
   const Interval off = py - f - df * over;
   const Interval chord(c.chord), along_u = Interval(1) - du;
-  // ds/du of the quintic: within the spread of its own slope, here bounded by intervals about the middle of u.
-  const Interval darc = IntervalLib::road_darc(u, c.a, c.b, c.arc * inverse, c.c0, c.c1);
-  const Interval s = chord * (Interval(Lib::road_arc(um, c.a, c.b, c.arc * inverse, c.c0, c.c1)) + darc * near);
   const Interval t = u * u * (Interval(3) - Interval(2) * u), dt = Interval(6) * u * (Interval(1) - u) * du;
   const Interval along = Interval(c.along0) + Interval(c.along1 - c.along0) * t;
   const Interval across_it = Interval(c.across0) + Interval(c.across1 - c.across0) * t;
-  Interval z_x = IntervalLib::road_dcubic(s, c.z1, c.z2, c.z3) * chord * darc * du +
-                 chord * (along * along_u + Interval(c.across1 - c.across0) * dt * (py - f) - across_it * df * du);
-  Interval z_y = chord * across_it;
+  // Along the chord, less the plane's: beside the curve, and how much else it is where the square is beyond an end of it.
+  const Interval inside = rise.over(u) - (across_it - Interval(rise.plane.y)) * df;
+  const Interval outside = along - Interval(rise.plane.x);
+  Interval z_x = chord * (outside + du * (inside - outside) + Interval(c.across1 - c.across0) * dt * (py - f));
+  Interval z_y = chord * (across_it - Interval(rise.plane.y));
   if (c.fall0 != 0 || c.fall1 != 0) {
     const Interval v = chord * off, level = Interval(3.5) / (Interval(3.5) + abs(v));
     const Interval fall = Interval(c.fall0) + Interval(c.fall1 - c.fall0) * t;
@@ -231,102 +282,160 @@ Piece piece_of(const Lib::JunctionCorner& c, glm::dvec2 middle, double half, glm
     z_y = z_y + fall * square(level) * chord;
   }
   Piece piece;
-  piece.weight = Interval(c.arc) / (square(chord) * (square(off) + square(over)) + Interval(1e-6));
-  const Interval gx = (z_x * Interval(c.cx) - z_y * Interval(c.cy)) * Interval(inverse) - Interval(plane.x);
-  const Interval gy = (z_x * Interval(c.cy) + z_y * Interval(c.cx)) * Interval(inverse) - Interval(plane.y);
-  piece.slope = std::hypot(gx.magnitude(), gy.magnitude());
+  const Interval room = square(chord) * (square(off) + square(over)) + Interval(1e-6);
+  piece.weight = Interval(c.arc) / room;
+  const Interval hair = Interval(1e-6) / square(chord);
+  const Interval by_off = Interval(-2) * part_of_sum(off, square(over) + hair);
+  const Interval by_over = Interval(-2) * part_of_sum(over, square(off) + hair);
+  const Interval pull_px = by_over * along_u - by_off * (df + ddf * du * over);
+  piece.pull_x = (pull_px * Interval(c.cx) - by_off * Interval(c.cy)) * Interval(inverse);
+  piece.pull_y = (pull_px * Interval(c.cy) + by_off * Interval(c.cx)) * Interval(inverse);
+  const glm::dvec2 rest(plane.x - (rise.plane.x * c.cx - rise.plane.y * c.cy),
+                        plane.y - (rise.plane.x * c.cy + rise.plane.y * c.cx));
+  piece.tilt_x = (z_x * Interval(c.cx) - z_y * Interval(c.cy)) * Interval(inverse) - Interval(rest.x);
+  piece.tilt_y = (z_x * Interval(c.cy) + z_y * Interval(c.cx)) * Interval(inverse) - Interval(rest.y);
   const Lib::JunctionHeight at = Lib::junction_height_add_corner(Lib::junction_height_begin(), middle.x, middle.y, c);
   piece.weight_at = at.w;
   piece.off_at = at.z - plane.z;
   return piece;
 }
 
-// How far the surface may be from its tangent plane at the middle of a square. The surface is the mean of the pieces' by
-// their shares p, so over the plane it is the sum of p times each one's height over it, D. At the middle that is 0; so
-// elsewhere it is the sum of (p - p at the middle) D at the middle, and of p times what D has changed by.
-double off_plane_m(const JunctionSurface& surface, glm::dvec2 middle, double half, glm::dvec3 plane,
-                   std::vector<Piece>& pieces) {
+// How far the surface may be from its tangent plane at the middle of a square, by the lesser of two bounds. The surface is
+// the mean of the pieces' by their shares p, so over the plane it is the sum of p times each one's height over it, D.
+//
+// At the middle that is 0; so elsewhere it is the sum of (p - p at the middle) D at the middle, and of p times what D has
+// changed by. That tells most near the area's boundary, where one piece has all the share.
+//
+// And it changes by its gradient, which is the sum of p (D's gradient + (D - the mean) times the weight's gradient by the
+// weight), and 0 at the middle: half the square's size times its greatest value is of second order in the size.
+double off_plane_m(const JunctionSurface& surface, const std::vector<CornerRise>& rises, glm::dvec2 middle, double half,
+                   glm::dvec3 plane, std::vector<Piece>& pieces) {
   pieces.clear();
   for (const auto& cut : surface.cuts) pieces.push_back(piece_of(cut, middle, half, plane));
-  for (const auto& corner : surface.corners) pieces.push_back(piece_of(corner, middle, half, plane));
+  for (std::size_t i = 0; i < surface.corners.size(); ++i) {
+    pieces.push_back(piece_of(surface.corners[i], rises[i], middle, half, plane));
+  }
   double low = 0, high = 0, at = 0;
   for (const Piece& p : pieces) low += p.weight.low, high += p.weight.high, at += p.weight_at;
+  const auto share = [&](const Piece& p) {
+    return Interval(p.weight.low / (p.weight.low + (high - p.weight.high)),
+                    p.weight.high / (p.weight.high + (low - p.weight.low)));
+  };
   double off = 0, largest = 0;
   for (const Piece& p : pieces) {
-    const double most = p.weight.high / (p.weight.high + (low - p.weight.low));
-    const double least = p.weight.low / (p.weight.low + (high - p.weight.high));
-    const double now = p.weight_at / at, reach = p.slope * std::numbers::sqrt2 * half;
-    off += std::max(most - now, now - least) * std::abs(p.off_at) + most * reach;
+    const Interval part = share(p);
+    const double now = p.weight_at / at, reach = p.slope() * std::numbers::sqrt2 * half;
+    off += std::max(part.high - now, now - part.low) * std::abs(p.off_at) + part.high * reach;
     largest = std::max(largest, std::abs(p.off_at) + reach);
   }
-  return std::min(off, largest) + 1e-9;  // no mean is beyond all its parts
+  off = std::min(off, largest);  // no mean is beyond all its parts
+  // The mean is no farther from the plane than is known of it so far: each time that is less, more is known.
+  for (int round = 0; round < kMeanRounds; ++round) {
+    Interval gx(0), gy(0);
+    for (const Piece& p : pieces) {
+      const Interval part = share(p), by_x = about(0, half);
+      const Interval over = Interval(p.off_at) + p.tilt_x * by_x + p.tilt_y * by_x - about(0, off);
+      gx = gx + part * (p.tilt_x + over * p.pull_x);
+      gy = gy + part * (p.tilt_y + over * p.pull_y);
+    }
+    const double found = half * (gx.magnitude() + gy.magnitude());
+    if (!(found < off)) break;
+    off = found;
+  }
+  return off + 1e-9;
 }
 
-// A square of a junction's area that a plate is tried for, and the plane: height at its middle, and gradient.
-struct Try {
-  const JunctionSurface& surface;
+// The surface over a small square: its tangent plane at the middle (gradient, height), and how far it may be from that.
+struct Enclosure {
   glm::dvec2 middle;
-  glm::dvec3 plane;
-  double wanted_m, give_up_m;
-  std::vector<Piece>& pieces;
-
-  // The greatest distance of the surface from the plane over a square within; infinite once it is seen that this is more
-  // than give_up_m.
-  double off_m(glm::dvec2 at, double half) const {
-    const JunctionPoint p = height_at(surface, glm::dvec2(surface.center_m) + at);
-    const glm::dvec3 tangent(p.gradient, p.height_m - surface.center_m.z);
-    const glm::dvec2 tilt = p.gradient - glm::dvec2(plane);
-    const double here = std::abs(tangent.z - plane.z - glm::dot(glm::dvec2(plane), at - middle));
-    if (here > give_up_m) return std::numeric_limits<double>::infinity();
-    const double off =
-        here + half * (std::abs(tilt.x) + std::abs(tilt.y)) + off_plane_m(surface, at, half, tangent, pieces);
-    if (off <= wanted_m || half <= kFinestJunctionBox_m) return off;
-    double most = 0;
-    for (const double x : {-0.5, 0.5}) {
-      for (const double y : {-0.5, 0.5}) {
-        most = std::max(most, off_m(at + half * glm::dvec2(x, y), 0.5 * half));
-        if (most > give_up_m) return most;
-      }
-    }
-    return std::min(most, off);
-  }
+  double half;
+  glm::dvec3 tangent;
+  double off_m;
 };
 
-void add_square(const Junction& junction, const JunctionSurface& surface, glm::dvec2 middle, double half,
-                double wanted_m, std::vector<Plate>& plates, std::vector<Piece>& pieces) {
-  const glm::dvec2 world = glm::dvec2(surface.center_m) + middle;
-  // Distances are exact to first order only.
-  if (signed_distance_m(surface, world) < -2 * std::numbers::sqrt2 * half - junction.underlap_m) return;
-  const bool divisible = 2 * half > kShortestJunctionPlate_m;
-  const JunctionPoint at = height_at(surface, world);
-  const double off = Try{surface,
-                         middle,
-                         {at.gradient, at.height_m - surface.center_m.z},
-                         wanted_m,
-                         divisible ? wanted_m : std::numeric_limits<double>::infinity(),
-                         pieces}
-                         .off_m(middle, half);
-  if (off > wanted_m && divisible) {
-    for (const double x : {-0.5, 0.5}) {
-      for (const double y : {-0.5, 0.5}) {
-        add_square(junction, surface, middle + half * glm::dvec2(x, y), 0.5 * half, wanted_m, plates, pieces);
-      }
-    }
-    return;
+// The plates of a junction's area: of squares of kJunctionPlate_m, quartered where the surface is not flat enough. What is
+// proven of the smallest squares serves all larger ones.
+class AreaPlates {
+ public:
+  AreaPlates(const Junction& junction, double wanted_m)
+      : surface_(junction_surface(junction)), underlap_m_(junction.underlap_m), wanted_m_(wanted_m) {
+    for (const Lib::JunctionCorner& corner : surface_.corners) rises_.emplace_back(corner, surface_.plane);
   }
-  plates.push_back(
-      {.center_m = world, .half_m = {half, half}, .z_m = at.height_m, .slope = at.gradient, .error_m = off});
+  void add_to(std::vector<Plate>& plates);
+
+ private:
+  // A square's enclosures, [first, last); those of its quarters are nodes child to child + 3.
+  struct Node {
+    std::size_t first = 0, last = 0, child = 0;  // child 0: none
+  };
+  void enclose(std::size_t node, glm::dvec2 middle, double half);
+  void choose(std::size_t node, glm::dvec2 middle, double half, std::vector<Plate>& plates) const;
+  bool is_outside(glm::dvec2 middle, double half) const {
+    // Distances are exact to first order only.
+    return signed_distance_m(surface_, glm::dvec2(surface_.center_m) + middle) <
+           -2 * std::numbers::sqrt2 * half - underlap_m_;
+  }
+  static glm::dvec2 quarter(glm::dvec2 middle, double half, std::size_t i) {
+    return middle + half * glm::dvec2(i % 2 == 0 ? -0.5 : 0.5, i < 2 ? -0.5 : 0.5);
+  }
+
+  JunctionSurface surface_;
+  std::vector<CornerRise> rises_;  // of its corners
+  double underlap_m_, wanted_m_;
+  std::vector<Node> nodes_;
+  std::vector<Enclosure> enclosures_;
+  std::vector<Piece> pieces_;
+};
+
+void AreaPlates::enclose(std::size_t node, glm::dvec2 middle, double half) {
+  nodes_[node].first = nodes_[node].last = enclosures_.size();
+  if (2 * half >= kShortestJunctionPlate_m && is_outside(middle, half)) return;
+  const JunctionPoint p = height_at(surface_, glm::dvec2(surface_.center_m) + middle);
+  const glm::dvec3 tangent(p.gradient, p.height_m - surface_.center_m.z);
+  const double off = off_plane_m(surface_, rises_, middle, half, tangent, pieces_);
+  if (off <= kEnclosurePart * wanted_m_ || half <= kFinestJunctionBox_m) {
+    enclosures_.push_back({middle, half, tangent, off});
+  } else {
+    const std::size_t child = nodes_.size();
+    nodes_[node].child = child;
+    nodes_.resize(child + 4);
+    for (std::size_t i = 0; i < 4; ++i) enclose(child + i, quarter(middle, half, i), 0.5 * half);
+  }
+  nodes_[node].last = enclosures_.size();
 }
 
-void add_junction(const Junction& junction, double wanted_m, std::vector<Plate>& plates) {
-  const JunctionSurface surface = junction_surface(junction);
-  const glm::dvec2 low = glm::dvec2(surface.low_m) - junction.underlap_m;
-  const glm::ivec2 count(glm::ceil((glm::dvec2(surface.high_m) + junction.underlap_m - low) / kJunctionPlate_m));
-  std::vector<Piece> pieces;
+void AreaPlates::choose(std::size_t node, glm::dvec2 middle, double half, std::vector<Plate>& plates) const {
+  const auto [first, last, child] = nodes_[node];
+  if (first == last) return;
+  const JunctionPoint at = height_at(surface_, glm::dvec2(surface_.center_m) + middle);
+  double off = 0;
+  for (std::size_t i = first; i < last; ++i) {
+    const Enclosure& e = enclosures_[i];
+    const glm::dvec2 tilt = glm::dvec2(e.tangent) - at.gradient;
+    const double here = e.tangent.z - (at.height_m - surface_.center_m.z + glm::dot(at.gradient, e.middle - middle));
+    off = std::max(off, std::abs(here) + e.half * (std::abs(tilt.x) + std::abs(tilt.y)) + e.off_m);
+  }
+  if (off > wanted_m_ && child > 0 && 2 * half > kShortestJunctionPlate_m) {
+    for (std::size_t i = 0; i < 4; ++i) choose(child + i, quarter(middle, half, i), 0.5 * half, plates);
+    return;
+  }
+  plates.push_back({.center_m = glm::dvec2(surface_.center_m) + middle,
+                    .half_m = {half, half},
+                    .z_m = at.height_m,
+                    .slope = at.gradient,
+                    .error_m = off});
+}
+
+void AreaPlates::add_to(std::vector<Plate>& plates) {
+  const glm::dvec2 low = glm::dvec2(surface_.low_m) - underlap_m_;
+  const glm::ivec2 count(glm::ceil((glm::dvec2(surface_.high_m) + underlap_m_ - low) / kJunctionPlate_m));
   for (int i = 0; i < count.x; ++i) {
     for (int j = 0; j < count.y; ++j) {
-      add_square(junction, surface, low + kJunctionPlate_m * (glm::dvec2(i, j) + 0.5), 0.5 * kJunctionPlate_m, wanted_m,
-                 plates, pieces);
+      const glm::dvec2 middle = low + kJunctionPlate_m * (glm::dvec2(i, j) + 0.5);
+      nodes_.assign(1, {});
+      enclosures_.clear();
+      enclose(0, middle, 0.5 * kJunctionPlate_m);
+      choose(0, middle, 0.5 * kJunctionPlate_m, plates);
     }
   }
 }
@@ -353,7 +462,7 @@ Plates::Plates(const Network& network, const Supports& supports, double wanted_e
   std::vector<std::vector<Plate>> parts(roads + network.junctions.size());
   for_chunks(parts.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     if (i >= roads) {
-      add_junction(network.junctions[i - roads], kJunctionPart * wanted_error_m, parts[i]);
+      AreaPlates(network.junctions[i - roads], kJunctionPart * wanted_error_m).add_to(parts[i]);
       const bool levelled = supports.of_junction(i - roads) == Support::kGround;
       for (Plate& plate : parts[i]) plate.levelled = levelled;
     } else if (!in_area[i]) {

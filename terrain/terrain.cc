@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <numbers>
 #include <set>
+#include <unordered_map>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -17,6 +19,7 @@
 #include "terrain/bisection.h"
 #include "terrain/detail.h"
 #include "terrain/plates.h"
+#include "terrain/terrain_impl.h"
 
 namespace roadgen {
 namespace {
@@ -38,41 +41,6 @@ double quantised(double x, double quantum) { return std::round(x / quantum) * qu
 Error usage(const char* message) { return Error{ErrorCode::kUsage, message}; }
 
 }  // namespace
-
-struct Terrain::Impl {
-  TerrainOptions options;
-  TerrainReport report;
-  std::vector<TerrainMesh> tiles;
-  double unit_m = 1;  // of the lattice
-  glm::dvec2 origin_m{0, 0};
-  int k = 9;
-  glm::ivec2 tile_count{1, 1};
-  std::unique_ptr<Bisection> mesh;
-  std::vector<Hollow> hollows;
-  BoxTree hollow_tree;
-
-  glm::dvec2 to_world(glm::dvec2 lattice) const { return origin_m + unit_m * lattice; }
-  glm::dvec2 to_lattice(glm::dvec2 point_m) const { return (point_m - origin_m) / unit_m; }
-
-  void lay_out(const Network& network, const Elevation* elevation);
-  Grid natural_ground(const Network& network, const Elevation* elevation) const;
-  std::array<glm::dvec3, 3> corners(const Bisection::Triangle& t) const;
-  bool is_wanted(const Levelling& ground, const Plates& roads, const Bisection::Triangle& t, double factor) const;
-  void triangulate(const Levelling& ground, const Plates& roads);
-  void guarantee(const Plates& roads);
-  void lower(const Plates& roads);
-  std::vector<std::int32_t> prove(const Plates& roads);
-  void measure(const Network& network, const Supports& supports, const Grid& natural);
-  void find_hollows(const Supports& supports);
-  std::vector<std::uint32_t> hollows_met(const std::array<glm::dvec3, 3>& triangle) const;
-  const Hollow* hollow_above(glm::dvec3 point_m) const;
-  void add_cuts(const std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>>& cut, TerrainMesh& out);
-  VertexDetail detail(const Plates& roads);
-  void emit(const Levelling& ground, const VertexDetail& detail);
-  void tell(double fraction) const {
-    if (options.progress) options.progress(fraction);
-  }
-};
 
 namespace {
 
@@ -153,13 +121,13 @@ std::array<glm::dvec3, 3> Terrain::Impl::corners(const Bisection::Triangle& t) c
 
 // Whether a triangle is too coarse: under a carriageway it could not be low enough everywhere and nowhere too low, or it
 // has long legs, or deviates from the ground.
-bool Terrain::Impl::is_wanted(const Levelling& ground, const Plates& roads, const Bisection::Triangle& t,
+bool Terrain::Impl::is_wanted(const KnownHeights& ground, const Plates& roads, const Bisection::Triangle& t,
                               double factor) const {
   const glm::dvec2 left(mesh->lattice(t.left)), right(mesh->lattice(t.right)), apex(mesh->lattice(t.apex));
   const glm::dvec2 middle = 0.5 * (left + right);  // of the circle around a right triangle
   const double radius = 0.5 * glm::length(right - left) * unit_m;
   const double leg = std::numbers::sqrt2 * radius;
-  const double edge = ground.edge_distance_m(to_world(middle), radius + 4 * unit_m) - radius;
+  const double edge = ground.ground().edge_distance_m(to_world(middle), radius + 4 * unit_m) - radius;
   if (leg > factor * (kLegAtRoad_m + kLegPerMetre * std::max(edge, 0.0))) return true;
   if (edge <= 0) {
     const ClearanceBounds clearance = roads.over(corners(t));
@@ -171,13 +139,13 @@ bool Terrain::Impl::is_wanted(const Levelling& ground, const Plates& roads, cons
     const double plane = mesh->height(t.apex) + to_left * (mesh->height(t.left) - mesh->height(t.apex)) +
                          to_right * (mesh->height(t.right) - mesh->height(t.apex));
     const glm::dvec2 p = apex + to_left * (left - apex) + to_right * (right - apex);
-    return std::abs(ground.height_m(to_world(p)) - plane) > tolerance;
+    return std::abs(height_m(ground, p) - plane) > tolerance;
   };
   return misses(0.5, 0.5) || misses(0.5, 0) || misses(0, 0.5) || (t.level < 2 * k - 3 && misses(0.25, 0.25));
 }
 
-void Terrain::Impl::triangulate(const Levelling& ground, const Plates& roads) {
-  const auto height = [&](glm::ivec2 p) { return quantised(ground.height_m(to_world(glm::dvec2(p))), kVertical_m); };
+void Terrain::Impl::triangulate(const KnownHeights& ground, const Plates& roads) {
+  const auto height = [&](glm::ivec2 p) { return quantised(height_m(ground, glm::dvec2(p)), kVertical_m); };
   double factor = 1;
   for (int attempt = 0;; ++attempt, factor *= kRetryFactor) {
     mesh = std::make_unique<Bisection>(tile_count, k, height);
@@ -187,19 +155,30 @@ void Terrain::Impl::triangulate(const Levelling& ground, const Plates& roads) {
   report.tolerance_factor = factor;
 }
 
+std::vector<ClearanceBounds> Terrain::Impl::clearances(const Plates& roads,
+                                                       const std::vector<std::int32_t>& leaves) const {
+  std::vector<ClearanceBounds> bounds(leaves.size());
+  for_each_index(leaves.size(), [&](std::size_t i) { bounds[i] = roads.over(corners(mesh->triangle(leaves[i]))); });
+  return bounds;
+}
+
 // Lowers every triangle whose proven clearance is too small. That takes clearance away nowhere, so one pass is enough.
 void Terrain::Impl::lower(const Plates& roads) {
   report.triangles_lowered = 0;
   report.lowered_max_m = 0;
-  mesh->each_leaf([&](std::int32_t leaf) {
-    const Bisection::Triangle& t = mesh->triangle(leaf);
-    const double lacking = options.least_clearance_m - roads.over(corners(t)).least_m;
-    if (lacking <= 0) return;
-    const double by = std::ceil(lacking / kVertical_m) * kVertical_m;
-    for (const std::uint32_t vertex : {t.apex, t.left, t.right}) mesh->set_height(vertex, mesh->height(vertex) - by);
+  const std::vector<std::int32_t> leaves = mesh->all_leaves();
+  const std::vector<ClearanceBounds> bounds = clearances(roads, leaves);
+  std::vector<double> by(mesh->vertices(), 0);
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const double lacking = options.least_clearance_m - bounds[i].least_m;
+    if (lacking <= 0) continue;
+    const double drop = std::ceil(lacking / kVertical_m) * kVertical_m;
+    const Bisection::Triangle& t = mesh->triangle(leaves[i]);
+    for (const std::uint32_t vertex : {t.apex, t.left, t.right}) by[vertex] = std::max(by[vertex], drop);
     ++report.triangles_lowered;
-    report.lowered_max_m = std::max(report.lowered_max_m, by);
-  });
+    report.lowered_max_m = std::max(report.lowered_max_m, drop);
+  }
+  for (std::uint32_t v = 0; v < by.size(); ++v) mesh->set_height(v, mesh->height(v) - by[v]);
 }
 
 // Reports the bounds of the clearance, and returns the triangles that lie too deep and may be divided.
@@ -209,20 +188,21 @@ std::vector<std::int32_t> Terrain::Impl::prove(const Plates& roads) {
   report.triangles_under_roads = 0;
   std::size_t deep = 0;
   std::vector<std::int32_t> divisible;
-  mesh->each_leaf([&](std::int32_t leaf) {
-    const std::array<glm::dvec3, 3> t = corners(mesh->triangle(leaf));
-    const ClearanceBounds clearance = roads.over(t);
-    if (!clearance.touches()) return;
+  const std::vector<std::int32_t> leaves = mesh->all_leaves();
+  const std::vector<ClearanceBounds> bounds = clearances(roads, leaves);
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const ClearanceBounds& clearance = bounds[i];
+    if (!clearance.touches()) continue;
     ++report.triangles_under_roads;
     report.clearance_min_m = std::min(report.clearance_min_m, clearance.least_m);
     if (clearance.most_m > report.clearance_max_m) {
       report.clearance_max_m = clearance.most_m;
-      report.clearance_max_at_m = t[0];
+      report.clearance_max_at_m = corners(mesh->triangle(leaves[i]))[0];
     }
-    if (clearance.most_m <= options.most_clearance_m) return;
+    if (clearance.most_m <= options.most_clearance_m) continue;
     ++deep;
-    if (mesh->triangle(leaf).level < mesh->finest()) divisible.push_back(leaf);
-  });
+    if (mesh->triangle(leaves[i]).level < mesh->finest()) divisible.push_back(leaves[i]);
+  }
   report.too_deep =
       static_cast<double>(deep) / static_cast<double>(std::max<std::size_t>(report.triangles_under_roads, 1));
   return divisible;
@@ -268,8 +248,7 @@ void Terrain::Impl::measure(const Network& network, const Supports& supports, co
   report.tunnel_m = supports.length_m(Support::kTunnel);
 }
 
-void Terrain::Impl::find_hollows(const Supports& supports) {
-  hollows = supports.hollows();
+void Terrain::Impl::index_hollows() {
   std::vector<Box> boxes;
   for (const Hollow& hollow : hollows) boxes.push_back(hollow.box());
   if (!boxes.empty()) hollow_tree = BoxTree(boxes);
@@ -338,19 +317,18 @@ VertexDetail Terrain::Impl::detail(const Plates& roads) {
   return detail;
 }
 
-void Terrain::Impl::emit(const Levelling& ground, const VertexDetail& detail) {
+void Terrain::Impl::emit(const KnownHeights& ground, const VertexDetail& detail) {
   std::vector<std::uint32_t> local(mesh->vertices());
   std::vector<std::int32_t> seen(mesh->vertices(), -1);
   std::vector<glm::vec3> normals(mesh->vertices());
   for_each_index(normals.size(), [&](std::size_t v) {
-    const glm::dvec2 w = to_world(glm::dvec2(mesh->lattice(static_cast<std::uint32_t>(v)))), east(unit_m, 0),
-                     north(0, unit_m);
-    const glm::dvec2 slope(ground.height_m(w + east) - ground.height_m(w - east),
-                           ground.height_m(w + north) - ground.height_m(w - north));
+    const glm::dvec2 at(mesh->lattice(static_cast<std::uint32_t>(v))), east(1, 0), north(0, 1);
+    const glm::dvec2 slope(height_m(ground, at + east) - height_m(ground, at - east),
+                           height_m(ground, at + north) - height_m(ground, at - north));
     normals[v] = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * unit_m)));
   });
   tell(0.9);
-  const Bounds roads = bounds(ground.index().network());
+  const Bounds roads = bounds(ground.ground().index().network());
   const double z0 = quantised(0.5 * (roads.low_m.z + roads.high_m.z), 1.0);
   for (int tile = 0; tile < tile_count.x * tile_count.y; ++tile) {
     const glm::ivec2 place(tile % tile_count.x, tile / tile_count.x);
@@ -434,15 +412,17 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   const double level_m = impl->options.levelling.gap_m + kNotLevelled_m;
   roads.find_levelled([&](glm::dvec2 p) { return ground.height_m(p); }, level_m);
   impl->tell(0.3);
-  impl->triangulate(ground, roads);
+  const KnownHeights known(ground);
+  impl->triangulate(known, roads);
   impl->tell(0.65);
   impl->guarantee(roads);
-  impl->find_hollows(ground.supports());
+  impl->hollows = ground.supports().hollows();
+  impl->index_hollows();
   impl->measure(network, ground.supports(), natural);
   impl->tell(0.75);
   const VertexDetail detail = impl->detail(roads);
   impl->tell(0.8);
-  impl->emit(ground, detail);
+  impl->emit(known, detail);
   impl->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return Terrain(std::move(impl));
 }

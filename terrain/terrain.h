@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -103,7 +104,7 @@ struct TerrainReport {
   std::size_t voids_filled = 0;
   std::size_t triangles = 0, vertices = 0, tiles = 0;
   std::size_t triangles_coarsest = 0;  // at the coarsest level that leaves every road above the ground
-  double spacing_m = 0;          // of the mesh's posts under the carriageways, as used
+  double spacing_m = 0;                // of the mesh's posts under the carriageways, as used
   double natural_spacing_m = 0;  // of the posts that the natural ground was sampled at: 0.6 of the elevation's own,
                                  // more where the area is greater than 2048 of them
   double tolerance_factor = 1;   // what max_triangles has raised the tolerances by
@@ -142,6 +143,8 @@ class Terrain {
   glm::dvec3 normal(glm::dvec3 point_m) const;
 
  private:
+  friend Status write_terrain_file(const Terrain& terrain, std::uint64_t key, const std::string& path);
+  friend Result<Terrain> read_terrain_file(const std::string& path, std::uint64_t key);
   struct Impl;
   explicit Terrain(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

@@ -1,12 +1,14 @@
 // The commands that draw and make meshes stand in a program of their own beside this one, `roadgen-draw`: the libraries
-// for OpenGL, pictures and polygons take 150 MB and 0.2 s to load, more than the other commands need for a town.
+// for OpenGL, pictures and polygons take 150 MB and 0.2 s to load, more than the other commands need for a town. So does
+// the import that reads an elevation file.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 
-#include "roadgen/cli/command.h"
+#include "roadgen/cli/import_command.h"
 
 namespace roadgen::cli {
 namespace {
@@ -29,6 +31,11 @@ int hand_over(const char* command, const Arguments& arguments) {
 
 }  // namespace
 
+int run_import(const Arguments& arguments) {
+  const auto is_heights = [](const std::string& word) { return word == "--heights" || word.starts_with("--heights="); };
+  const bool needs_raster = std::any_of(arguments.begin(), arguments.end(), is_heights);
+  return needs_raster ? hand_over("import", arguments) : import_command(arguments, nullptr);
+}
 int run_export(const Arguments& arguments) { return hand_over("export", arguments); }
 int run_terrain(const Arguments& arguments) { return hand_over("terrain", arguments); }
 int run_render(const Arguments& arguments) { return hand_over("render", arguments); }

@@ -1,5 +1,5 @@
 // roadgen import: measured centre lines to an OpenDRIVE network.
-#include "roadgen/import/import.h"
+#include "roadgen/cli/import_command.h"
 
 #include <fmt/format.h>
 
@@ -22,6 +22,7 @@ struct Options {
   std::vector<std::string> sources, fields;
   std::string output, report, origin, tangents = "fit", closed = "auto";
   ImportOptions import;
+  HeightRequest heights;
 };
 
 // "LAT,LON" or "LAT,LON,H".
@@ -73,6 +74,17 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--reject-outliers", o.import.reject_outliers,
                "Leave out points that lie off the course of their neighbours by more than 3 times the allowed error");
   app.add_flag("--left-hand", o.import.left_hand_traffic, "OpenStreetMap: traffic keeps left");
+  app.add_option("--heights", o.heights.dem_path,
+                 "Elevation file: the roads' heights are fitted to its ground, those of the source forgotten");
+  app.add_option("--dem-encoding", o.heights.encoding, "What its pixels are: heights, terrain-rgb or terrarium")
+      ->capture_default_str();
+  app.add_option("--max-grade", o.heights.fit.max_grade,
+                 "With --heights: greatest grade, rise per length. Default: by the road's class, 0.06 to 0.2");
+  app.add_option("--max-vertical-curvature", o.heights.fit.max_curvature_per_m,
+                 "With --heights: greatest curvature of crests and sags, 1/m. Default: by class, 1/3000 to 1/100");
+  app.add_option("--smoothing", o.heights.fit.smoothing_m,
+                 "With --heights: waves of the ground shorter than about six times this are smoothed away, m")
+      ->capture_default_str();
   app.add_option("--report", o.report,
                  "Certificates and diagnostics: JSON, - for standard output; or a page with plan and plots, .html");
 }
@@ -145,9 +157,29 @@ void print_certificates(const ImportResult& result) {
   }
 }
 
+// The centre lines are those that were certified but for what divided segments are off.
+void take_heights(ImportResult& result, const HeightFitReport& heights) {
+  result.heights = heights;
+  for (std::size_t i = 0; i < result.certificates.size(); ++i) {
+    Certificate& c = result.certificates[i];
+    if (c.segments == result.network.roads[i].segments.size()) continue;
+    c.segments = result.network.roads[i].segments.size();
+    c.bound_m += kDividedGap_m;
+  }
+}
+
+void print_heights(const HeightFitReport& h) {
+  fmt::print(
+      stderr,
+      "heights: {:.2f} m rms from the ground at {} samples, fill up to {:.1f} m, cut up to {:.1f} m; greatest grade "
+      "{:.1f} %, least vertical radius {:.0f} m; {} roads beyond their limits\n",
+      h.rms_m, h.samples, h.highest_fill_m, h.deepest_cut_m, 100 * h.max_grade,
+      h.max_curvature_per_m > 0 ? 1 / h.max_curvature_per_m : 1e9, std::max(h.over_grade, h.over_curvature));
+}
+
 }  // namespace
 
-int run_import(const Arguments& arguments) {
+int import_command(const Arguments& arguments, LayOnGround lay_on_ground) {
   CLI::App app("Fits roads to measured centre lines and writes them as OpenDRIVE 1.7.", kName);
   Options o;
   declare(app, o);
@@ -155,8 +187,17 @@ int run_import(const Arguments& arguments) {
   if (Status status = settle(o); !status) return fail(kName, status.error());
 
   ProgressLine progress;
-  const Result<ImportResult> result =
+  Result<ImportResult> result =
       import_files(o.sources, o.import, [&](double part, const std::string& what) { progress.show(part, what); });
+  if (result && !o.heights.dem_path.empty()) {
+    progress.show(1, "fitting heights");
+    const Result<HeightFitReport> heights = lay_on_ground(result->network, o.heights, result->diagnostics);
+    if (!heights) {
+      result = heights.error();
+    } else {
+      take_heights(*result, *heights);
+    }
+  }
   progress.clear();
   if (!result) return fail(kName, result.error());
 
@@ -168,6 +209,7 @@ int run_import(const Arguments& arguments) {
   }
   print_diagnostics(result->diagnostics, o.report.empty() ? "; --report FILE lists them" : ", in " + o.report);
   print_certificates(*result);
+  if (result->heights) print_heights(*result->heights);
   return kExitDone;
 }
 

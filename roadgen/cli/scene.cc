@@ -3,11 +3,14 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 
 #include <CLI/CLI.hpp>
 
 #include "roadgen/cli/command.h"
-#include "terrain/terrain.h"
+#include "roadgen/export/atomic_file.h"
+#include "terrain/terrain_file.h"
 
 namespace roadgen::cli {
 
@@ -17,9 +20,36 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
                  "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid. Default: the roads' own heights");
   app.add_option("--dem-encoding", options.dem_encoding, "What its pixels are: heights, terrain-rgb or terrarium")
       ->capture_default_str();
+  app.add_option(
+      "--ground-cache", options.ground_cache_path,
+      "File that keeps the ground for the next time; written where it is missing, of other inputs or damaged");
   app.add_option("--context", options.context, "osmesa, egl or window. Default: osmesa");
   app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
 }
+
+namespace {
+
+// From the cache where that holds it; else built, and kept there.
+Result<Terrain> ground_of(const SceneOptions& options, const Network& network, const Elevation* elevation,
+                          const TerrainOptions& terrain_options) {
+  if (options.ground_cache_path.empty()) return Terrain::build(network, elevation, terrain_options);
+  if (Status s = check_writable(options.ground_cache_path); !s) return s.error();
+  std::ifstream file(options.network_path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::uint64_t key = terrain_key(text, elevation, terrain_options);
+  Result<Terrain> kept = read_terrain_file(options.ground_cache_path, key);
+  if (kept) return kept;
+  if (kept.error().code != ErrorCode::kIo) {
+    std::fprintf(stderr, "info: %s: %s; built again\n", options.ground_cache_path.c_str(),
+                 kept.error().message.c_str());
+  }
+  Result<Terrain> built = Terrain::build(network, elevation, terrain_options);
+  if (!built) return built;
+  if (Status s = write_terrain_file(*built, key, options.ground_cache_path); !s) return s.error();
+  return built;
+}
+
+}  // namespace
 
 Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   Scene scene;
@@ -46,7 +76,7 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   ProgressLine progress;
   TerrainOptions terrain_options;
   terrain_options.progress = [&](double part) { progress.show(part, "terrain"); };
-  auto terrain = Terrain::build(network, elevation ? &*elevation : nullptr, terrain_options);
+  const auto terrain = ground_of(options, network, elevation ? &*elevation : nullptr, terrain_options);
   progress.clear();
   print_diagnostics(diagnostics, "");
   if (!terrain) return terrain.error();

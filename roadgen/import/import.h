@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "roadgen/fit/fit.h"
+#include "roadgen/fit/heights.h"
 #include "roadgen/import/clean.h"
 #include "roadgen/road/network.h"
 #include "roadgen/road/result.h"
@@ -52,8 +53,9 @@ struct ImportResult {
   std::vector<double> allowed_error_m;    // likewise: the max_error_m that it was fitted to
   // What each was fitted to; empty for OSM files, whose roads follow their ways by construction.
   std::vector<std::vector<Sample>> samples = {};
-  Diagnostics diagnostics;         // every repair, by file, line and element
-  double greatest_distance_m = 0;  // of a point from the origin, horizontally; 0 for metres
+  std::optional<HeightFitReport> heights = {};  // where the network's heights were fitted to the ground afterwards
+  Diagnostics diagnostics;                      // every repair, by file, line and element
+  double greatest_distance_m = 0;               // of a point from the origin, horizontally; 0 for metres
 };
 
 // Called with the part that is done, in [0, 1], and what is being done.
@@ -71,8 +73,8 @@ Result<ImportResult> import_files(const std::vector<std::string>& paths, const I
 // Warns where points lie so far from the origin that lengths appear shortened.
 void add_distance_warning(ImportResult& result, const std::string& path);
 
-// The report of an import as JSON: {"origin", "length_distortion", "roads": [...], "diagnostics": [...]}; origin and
-// length_distortion are absent for metres.
+// The report of an import as JSON: {"origin", "length_distortion", "roads": [...], "heights": {...}, "diagnostics": [...]};
+// origin and length_distortion are absent for metres, heights where none were fitted.
 std::string import_report(const ImportResult& result);
 
 }  // namespace roadgen

@@ -29,6 +29,29 @@ Json certificate_json(const Certificate& c, const Road& road, double allowed_err
           {"max_curvature_jump_per_m", c.max_curvature_jump_per_m}};
 }
 
+Json at_json(const AtRoad& at) { return {{"road", at.road}, {"s_m", at.s_m}}; }
+
+Json heights_json(const HeightFitReport& h) {
+  return {{"samples", h.samples},
+          {"samples_missing", h.samples_missing},
+          {"rms_m", h.rms_m},
+          {"mean_abs_m", h.mean_abs_m},
+          {"highest_fill_m", h.highest_fill_m},
+          {"highest_fill_at", at_json(h.highest_fill_at)},
+          {"deepest_cut_m", h.deepest_cut_m},
+          {"deepest_cut_at", at_json(h.deepest_cut_at)},
+          {"max_grade", h.max_grade},
+          {"max_grade_at", at_json(h.max_grade_at)},
+          {"max_curvature_per_m", h.max_curvature_per_m},
+          {"max_curvature_at", at_json(h.max_curvature_at)},
+          {"roads", h.roads},
+          {"roads_over_grade", h.over_grade},
+          {"roads_over_curvature", h.over_curvature},
+          {"passings", h.passings},
+          {"passings_short", h.passings_short},
+          {"least_passing_m", h.least_passing_m}};
+}
+
 }  // namespace
 
 std::string import_report(const ImportResult& result) {
@@ -44,6 +67,7 @@ std::string import_report(const ImportResult& result) {
     report["roads"].push_back(
         certificate_json(result.certificates[i], result.network.roads[i], result.allowed_error_m[i]));
   }
+  if (result.heights) report["heights"] = heights_json(*result.heights);
   report["diagnostics"] = Json::array();
   for (const Diagnostic& d : result.diagnostics) {
     report["diagnostics"].push_back({{"severity", severity_name(d.severity)},

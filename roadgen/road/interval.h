@@ -31,7 +31,7 @@ struct Interval {
   friend Interval operator-(Interval a, Interval b) { return rounded(a.low - b.high, a.high - b.low); }
   friend Interval operator*(Interval a, Interval b) {
     const double p = a.low * b.low, q = a.low * b.high, r = a.high * b.low, s = a.high * b.high;
-    return rounded(std::min({p, q, r, s}), std::max({p, q, r, s}));
+    return rounded(std::min(std::min(p, q), std::min(r, s)), std::max(std::max(p, q), std::max(r, s)));
   }
   // Everything where b holds 0.
   friend Interval operator/(Interval a, Interval b) {

@@ -117,6 +117,63 @@ TEST_F(TerrainCommand, CountsTunnelsAndKeepsTheirHill) {
   EXPECT_EQ(nlohmann::json::parse(open.out)["tunnel_parts"], 0);
 }
 
+// The road's heights are fitted to the elevation: those of the source do not matter, and the limits hold.
+TEST_F(TerrainCommand, ImportFitsHeightsToTheElevation) {
+  const std::string fitted = folder_->path("fitted.xodr"), report = folder_->path("fitted.json");
+  const Outcome run = test::roadgen({"import", kData + "pass.csv", "-o", fitted, "--heights", kData + "pass_dem.tif",
+                                     "--max-grade", "0.11", "--max-vertical-curvature", "0.004", "--report", report});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto heights = nlohmann::json::parse(test::text_of(report))["heights"];
+  EXPECT_GT(heights["samples"].get<int>(), 1000);
+  EXPECT_LE(heights["max_grade"].get<double>(), 0.11 * 1.001);
+  EXPECT_LE(heights["max_curvature_per_m"].get<double>(), 0.004 * 1.001);
+  EXPECT_EQ(heights["roads_over_grade"], 0);
+  EXPECT_EQ(test::roadgen({"check", fitted}).code, 0);
+  const auto network = read_opendrive(fitted);
+  ASSERT_TRUE(network);
+  for (const Segment& segment : network->roads[0].segments) {
+    EXPECT_LE(std::abs(segment.elevation_m.slope(0)), 0.11 * 1.001);
+  }
+  const Outcome ground = test::roadgen({"terrain", kData + "pass_dem.tif", fitted, "--margin", "200"});
+  ASSERT_EQ(ground.code, 0) << ground.err;
+  EXPECT_GE(nlohmann::json::parse(ground.out)["clearance_min_m"].get<double>(), 0.02);
+
+  const std::string none = folder_->path("none.xodr");
+  for (const auto& [dem, code] : {std::pair(folder_->path("none.tif"), 1), {grid("far.asc", -70, 40, 40, "12"), 1}}) {
+    const Outcome bad = test::roadgen({"import", kData + "pass.csv", "-o", none, "--heights", dem});
+    EXPECT_EQ(bad.code, code) << bad.err;
+    EXPECT_FALSE(std::filesystem::exists(none));
+  }
+  EXPECT_EQ(test::roadgen(
+                {"import", kData + "pass.csv", "-o", none, "--heights=" + kData + "pass_dem.tif", "--max-grade", "-1"})
+                .code,
+            2);
+}
+
+// The ground is kept, read where it fits and built again where it is damaged: the same picture each time.
+TEST_F(TerrainCommand, GroundIsKeptInAFile) {
+  const std::string cache = folder_->path("pass.ground");
+  const auto draw = [&](const std::string& name) {
+    const Outcome run = test::roadgen({"render", net(), "--dem", kData + "pass_dem.tif", "--follow", "1,400,0,2",
+                                       "--size", "160x90", "--ground-cache", cache, "-o", folder_->path(name)});
+    EXPECT_EQ(run.code, 0) << run.err;
+    return run.err;
+  };
+  EXPECT_EQ(draw("built").find("built again"), std::string::npos);
+  ASSERT_TRUE(std::filesystem::exists(cache));
+  const std::string kept = test::text_of(cache);
+  EXPECT_EQ(draw("read").find("built again"), std::string::npos);
+  EXPECT_EQ(test::text_of(cache), kept);
+  std::string damaged = kept;
+  damaged[damaged.size() / 2] ^= 1;
+  folder_->put("pass.ground", damaged);
+  EXPECT_NE(draw("again").find("damaged; built again"), std::string::npos);
+  for (const char* name : {"read", "again"}) {
+    EXPECT_EQ(test::text_of(folder_->path(std::string(name) + ".color.png")),
+              test::text_of(folder_->path("built.color.png")));
+  }
+}
+
 TEST_F(TerrainCommand, RefusesModelsThatCannotServe) {
   expect_refused({folder_->path("none.tif"), net()}, 1, "no such elevation file");
   expect_refused({folder_->put("text.tif", "heights"), net()}, 1, "not an elevation raster");

@@ -1,0 +1,89 @@
+// What a Terrain holds, for terrain.cc, which builds it, and terrain_file.cc, which keeps it. Internal to terrain.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <vector>
+
+#include "terrain/bisection.h"
+#include "terrain/detail.h"
+#include "terrain/plates.h"
+#include "terrain/terrain.h"
+
+namespace roadgen {
+
+// Heights of the levelled ground near roads, where they take long and are asked for again and again: by the triangles
+// on both sides of an edge, for its vertex when it is halved, by neighbours for normals. Any number of threads may ask.
+class KnownHeights {
+ public:
+  explicit KnownHeights(const Levelling& ground) : ground_(ground) {}
+  // quarters: of the lattice's unit, the place in which that is point_m.
+  double height_m(glm::ivec2 quarters, glm::dvec2 point_m) const {
+    if (ground_.is_natural(point_m)) return ground_.height_m(point_m);
+    const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(quarters.x)) << 32 |
+                              static_cast<std::uint32_t>(quarters.y);
+    Shelf& shelf = shelves_[(key * 0x9e3779b97f4a7c15u) >> 56];
+    {
+      const std::lock_guard<std::mutex> lock(shelf.mutex);
+      const auto found = shelf.heights.find(key);
+      if (found != shelf.heights.end()) return found->second;
+    }
+    const double height = ground_.height_m(point_m);
+    const std::lock_guard<std::mutex> lock(shelf.mutex);
+    shelf.heights.emplace(key, height);
+    return height;
+  }
+  const Levelling& ground() const { return ground_; }
+
+ private:
+  struct Shelf {
+    std::mutex mutex;
+    std::unordered_map<std::uint64_t, double> heights;
+  };
+  const Levelling& ground_;
+  mutable std::array<Shelf, 256> shelves_;
+};
+
+struct Terrain::Impl {
+  TerrainOptions options;
+  TerrainReport report;
+  std::vector<TerrainMesh> tiles;
+  double unit_m = 1;  // of the lattice
+  glm::dvec2 origin_m{0, 0};
+  int k = 9;
+  glm::ivec2 tile_count{1, 1};
+  std::unique_ptr<Bisection> mesh;
+  std::vector<Hollow> hollows;
+  BoxTree hollow_tree;
+
+  glm::dvec2 to_world(glm::dvec2 lattice) const { return origin_m + unit_m * lattice; }
+  glm::dvec2 to_lattice(glm::dvec2 point_m) const { return (point_m - origin_m) / unit_m; }
+
+  void lay_out(const Network& network, const Elevation* elevation);
+  Grid natural_ground(const Network& network, const Elevation* elevation) const;
+  std::array<glm::dvec3, 3> corners(const Bisection::Triangle& t) const;
+  double height_m(const KnownHeights& ground, glm::dvec2 lattice) const {
+    return ground.height_m(glm::ivec2(4.0 * lattice), to_world(lattice));
+  }
+  bool is_wanted(const KnownHeights& ground, const Plates& roads, const Bisection::Triangle& t, double factor) const;
+  void triangulate(const KnownHeights& ground, const Plates& roads);
+  void guarantee(const Plates& roads);
+  std::vector<ClearanceBounds> clearances(const Plates& roads, const std::vector<std::int32_t>& leaves) const;
+  void lower(const Plates& roads);
+  std::vector<std::int32_t> prove(const Plates& roads);
+  void measure(const Network& network, const Supports& supports, const Grid& natural);
+  void index_hollows();
+  std::vector<std::uint32_t> hollows_met(const std::array<glm::dvec3, 3>& triangle) const;
+  const Hollow* hollow_above(glm::dvec3 point_m) const;
+  void add_cuts(const std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>>& cut, TerrainMesh& out);
+  VertexDetail detail(const Plates& roads);
+  void emit(const KnownHeights& ground, const VertexDetail& detail);
+  void tell(double fraction) const {
+    if (options.progress) options.progress(fraction);
+  }
+};
+
+}  // namespace roadgen

@@ -1,0 +1,170 @@
+// What ground costs by its area: squares of 1 to 1,000 km2 about a short road, in invented hills over 32 km. Built, drawn
+// on OSMesa and held in memory.
+//   build/release/bin/ground_bench
+// The frames of all areas are drawn in turn, one each of every view, and compared view by view by the medians of their
+// times: of all processors together (cpu_ms), which other work on the machine disturbs less than elapsed time. `ratio` is to
+// the smallest area. Pictures, 640 x 360, 4 samples; triangles are those drawn, of those built.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "roadgen/render/flight.h"
+#include "roadgen/render/renderer.h"
+#include "terrain/terrain.h"
+
+namespace roadgen {
+namespace {
+
+constexpr std::array<double, 4> kAreas_km2{1, 10, 100, 1000};
+constexpr int kViews = 8, kRounds = 5;
+
+template <class T>
+T require(Result<T> result) {
+  if (result) return std::move(*result);
+  std::fprintf(stderr, "%s\n", result.error().text().c_str());
+  std::exit(1);
+}
+
+// A road of 600 m in the middle, so that the smallest area holds it.
+Network short_road(const Grid& hills) {
+  Network network;
+  Road road;
+  road.id = "1";
+  constexpr int kPieces = 30;
+  constexpr double kStep_m = 20;
+  for (int i = 0; i < kPieces; ++i) {
+    const glm::dvec2 a(-300 + kStep_m * i, 0), b(-280 + kStep_m * i, 0);
+    Segment segment = make_segment(a, b, 0, 0, 3.5);
+    const double z0 = sample_bicubic(hills, a), z1 = sample_bicubic(hills, b);
+    const auto grade = [&](glm::dvec2 p) {
+      return (sample_bicubic(hills, p + glm::dvec2(5, 0)) - sample_bicubic(hills, p - glm::dvec2(5, 0))) / 10;
+    };
+    segment.elevation_m = Cubic::hermite(z0, grade(a), z1, grade(b), segment.arc_m);
+    road.segments.push_back(segment);
+  }
+  chain_arc_lengths(road);
+  two_lane_sections(road);
+  network.roads.push_back(std::move(road));
+  return network;
+}
+
+// Posts 30 m apart over 32 km, in a file: elevation comes from files.
+Grid hills() {
+  Grid grid;
+  grid.columns = grid.rows = 1071;
+  grid.step_m = {30, 30};
+  grid.origin_m = {-16050, -16050};
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const glm::dvec2 p = grid.origin_m + grid.step_m * glm::dvec2(column, row);
+      double z = 400, size = 180, wave = 5200;
+      for (int i = 0; i < 7; ++i, size *= 0.5, wave *= 0.47) {
+        z += size * std::sin(p.x / wave * 6.28 + 1.7 * i) * std::cos(p.y / wave * 5.9 + 2.3 * i);
+      }
+      grid.values.push_back(static_cast<float>(z));
+    }
+  }
+  return grid;
+}
+
+std::string write_hills(const Grid& grid) {
+  const std::string path = (std::filesystem::temp_directory_path() / "roadgen_ground_bench.asc").string();
+  std::FILE* file = std::fopen(path.c_str(), "w");
+  if (file == nullptr) std::exit(1);
+  std::fprintf(file, "ncols %d\nnrows %d\nxllcenter %.1f\nyllcenter %.1f\ncellsize %.1f\n", grid.columns, grid.rows,
+               grid.origin_m.x, grid.origin_m.y, grid.step_m.x);
+  for (int row = grid.rows - 1; row >= 0; --row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      std::fprintf(file, "%.3f ", static_cast<double>(grid.at(column, row)));
+    }
+    std::fputc('\n', file);
+  }
+  std::fclose(file);
+  return path;
+}
+
+double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+double peak_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+struct Area {
+  double km2 = 0, build_s = 0, peak_mb = 0, tolerance_factor = 1;
+  std::size_t triangles = 0, drawn = 0;
+  std::unique_ptr<Renderer> renderer;
+  std::array<std::vector<double>, kViews> cpu_ms;
+};
+
+Camera view(const Network& network, int i) {
+  Camera camera = i % 2 == 0 ? drive_camera(network.roads[0], 60.0 * i + 20, -1.75, 1.5)
+                             : flight_camera(network.roads[0], 60.0 * i, {.height_m = 40});
+  camera.yaw_deg += 90.0 * (i / 2);
+  return camera;
+}
+
+int run() {
+  const Grid grid = hills();
+  const std::string path = write_hills(grid);
+  const Elevation elevation = require(Elevation::open(path));
+  const Network network = short_road(grid);
+  const std::unique_ptr<Context> context = require(Context::create({.kind = ContextKind::kOsmesa}));
+  std::vector<Area> areas;
+  for (const double km2 : kAreas_km2) {
+    TerrainOptions options;
+    options.margin_m = 500 * std::sqrt(km2) - 150;  // the road takes 0.6 km of one side
+    const double before = cpu_s();
+    const Terrain terrain = require(Terrain::build(network, &elevation, options));
+    Area area;
+    area.km2 = km2;
+    area.build_s = cpu_s() - before;
+    area.peak_mb = peak_mb();
+    area.tolerance_factor = terrain.report().tolerance_factor;
+    area.triangles = terrain.report().triangles;
+    area.renderer = std::make_unique<Renderer>(require(Renderer::create(*context)));
+    require(area.renderer->load_roads(network));
+    require(area.renderer->load_ground(terrain.tiles()));
+    areas.push_back(std::move(area));
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    for (int i = 0; i < kViews; ++i) {
+      for (Area& area : areas) {
+        const double before = cpu_s();
+        require(area.renderer->render(view(network, i), {.width = 640, .height = 360}));
+        area.cpu_ms[static_cast<std::size_t>(i)].push_back(1000 * (cpu_s() - before));
+        if (round == 0) area.drawn += area.renderer->ground_statistics().drawn_triangles / kViews;
+      }
+    }
+  }
+  std::printf("%8s %9s %9s %10s %12s %10s %8s %8s\n", "km2", "build s", "peak MB", "triangles", "tolerances x", "drawn",
+              "cpu ms", "ratio");
+  for (const Area& area : areas) {
+    std::vector<double> times, ratios;
+    for (std::size_t i = 0; i < kViews; ++i) {
+      times.push_back(median(area.cpu_ms[i]));
+      ratios.push_back(times.back() / median(areas[0].cpu_ms[i]));
+    }
+    std::printf("%8.0f %9.2f %9.0f %10zu %12.2f %10zu %8.1f %8.2f\n", area.km2, area.build_s, area.peak_mb,
+                area.triangles, area.tolerance_factor, area.drawn, median(times), median(ratios));
+  }
+  std::filesystem::remove(path);
+  return 0;
+}
+
+}  // namespace
+}  // namespace roadgen
+
+int main() { return roadgen::run(); }
