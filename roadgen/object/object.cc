@@ -9,6 +9,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "roadgen/object/primitive.h"
+
 namespace roadgen {
 namespace {
 
@@ -105,7 +107,8 @@ Fault fault_of(const Quadric& s) {
     if (!(s.box_low[axis] < s.box_high[axis])) return "the box must have an extent: its low corner below its high one";
     if (!fits(s.box_high[axis] - s.box_low[axis])) return "the box must be 1e-9 to 1e9 m wide";
   }
-  switch (quadric_type(s.coefficients)) {
+  // In the frame of the box, where its size and place do not blur what is zero.
+  switch (quadric_type(quadric_in_box(s))) {
     case QuadricType::kNothing: return "the quadric is singular: all its coefficients but the last are 0";
     case QuadricType::kImaginaryEllipsoid:
     case QuadricType::kImaginaryCylinder:
