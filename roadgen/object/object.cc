@@ -161,7 +161,7 @@ Fault fault_of_transform(const glm::dmat4& m) {
 bool unit_range(float x) { return x >= 0 && x <= 1; }
 bool unit_range(glm::vec3 c) { return unit_range(c.x) && unit_range(c.y) && unit_range(c.z); }
 
-Fault fault_of(const Material& m) {
+Fault fault_of(const ObjectMaterial& m) {
   if (!unit_range(m.base_color) || !unit_range(m.specular)) return "colours must lie in 0 to 1";
   if (!unit_range(m.metallic) || !unit_range(m.roughness)) return "metallic and roughness must lie in 0 to 1";
   if (!unit_range(m.reflection) || !unit_range(m.transmission)) return "reflection and transmission must lie in 0 to 1";
@@ -232,7 +232,7 @@ Diagnostics check(const ObjectScene& scene, std::size_t most) {
   const std::size_t materials = std::max<std::size_t>(1, scene.materials.size());
   constexpr Fault kNoMaterial = "there is no material of this index: ";
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    const Material& material = scene.materials[i];
+    const ObjectMaterial& material = scene.materials[i];
     if (const Fault fault = fault_of(material)) report(fault, place("material", i, material.name));
   }
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
