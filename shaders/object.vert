@@ -9,6 +9,7 @@
 // Many spheres: four floats each and a colour, relative to an origin; CORNERS vertices each.
 layout(std430, binding = 3) readonly buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = 4) readonly buffer SphereColors { uvec2 sphere_colors[]; };  // colour, number
+layout(std430, binding = 5) readonly buffer SphereOrder { uint sphere_order[]; };
 layout(location = 0) uniform dvec3 set_from_eye;  // in the view's axes
 #else
 layout(std430, binding = 3) readonly buffer Objects { ObjectInstance objects[]; };
@@ -46,8 +47,9 @@ vec4 whole_screen(vec2 corner, float depth) { return vec4(corner * 2.0, depth, 1
 
 void main() {
 #ifdef SPHERES
-  int index = gl_VertexID / CORNERS;
-  float turn = (float(gl_VertexID - index * CORNERS) + 0.5) * (6.28318530718 / float(CORNERS));
+  int drawn = gl_VertexID / CORNERS;
+  uint index = sphere_order[drawn];
+  float turn = (float(gl_VertexID - drawn * CORNERS) + 0.5) * (6.28318530718 / float(CORNERS));
   vec3 corner = vec3(cos(turn), sin(turn), 0.0) * (1.0 / cos(3.14159265359 / float(CORNERS)));
   vec4 sphere = spheres[index];
   dvec3 world = dvec3(sphere.xyz);

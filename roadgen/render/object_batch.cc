@@ -34,7 +34,7 @@ struct MaterialInstance {
   glm::vec4 base, surface, specular, more;
 };
 
-constexpr std::uint32_t kGroup = 256;  // objects, or spheres
+constexpr std::uint32_t kGroup = 128;  // objects, or spheres
 
 float bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 
@@ -237,18 +237,21 @@ Status ObjectBatch::add_set(const SphereSet& set, std::uint32_t first_instance) 
     radii.push_back(item.radius);
   }
   Set made;
-  for (std::uint32_t first = 0; first < spheres.size(); first += kGroup) {
-    const std::size_t count = std::min<std::size_t>(kGroup, spheres.size() - first);
+  for (std::uint32_t first = 0; first < order.size(); first += kGroup) {
+    const std::size_t count = std::min<std::size_t>(kGroup, order.size() - first);
     const auto [center, radius] =
         around(std::span(sorted).subspan(first, count), std::span(radii).subspan(first, count));
     made.groups.push_back({set.origin_m + center, radius, first, static_cast<std::uint32_t>(count)});
   }
   made.spheres = buffer_of(spheres);
   made.colors = buffer_of(colors);
+  made.order =
+      gl::Buffer::with_data(static_cast<GLsizeiptr>(order.size() * sizeof order[0]), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  made.data = std::move(spheres);
   made.origin_m = set.origin_m;
   made.first_instance = first_instance;
   made.material = set.material;
-  made.count = spheres.size();
+  made.count = made.data.size();
   statistics_.spheres += made.count;
   sets_.push_back(std::move(made));
   return Done{};
@@ -316,16 +319,29 @@ void ObjectBatch::draw_kind(const Kind& kind, const ObjectView& view, const Prog
   if (hull) glDisable(GL_CULL_FACE);
 }
 
-void ObjectBatch::draw_set(const Set& set, const ObjectView& view, const Program& program) {
-  const int corners = options_.rectangle ? 4 : options_.polygon;
-  std::vector<GLsizei> counts;
-  std::vector<GLint> firsts;
+// The spheres that may be seen, near groups first.
+void ObjectBatch::choose_spheres(const Set& set, const ObjectView& view, std::vector<std::uint32_t>& seen) {
+  const ViewAxes axes = view_axes(view.camera);
+  const glm::dmat3 in_view = glm::transpose(glm::dmat3(axes.right, axes.up, axes.forward));
+  const glm::dvec3 eye = view.camera.position_m;
   for (const Group* group : visible(set.groups, view)) {
-    counts.push_back(static_cast<GLsizei>(group->count) * 3 * (corners - 2));
-    firsts.push_back(static_cast<GLint>(group->first) * corners);
-    statistics_.drawn_spheres += group->count;
+    if (!options_.occlusion) {
+      for (std::uint32_t i = 0; i < group->count; ++i) seen.push_back(group->first + i);
+      continue;
+    }
+    const glm::vec3 center = in_view * (group->center_m - eye);
+    if (!occlusion_.may_see(center, static_cast<float>(group->radius_m))) continue;
+    occlusion_.add(set.data.data(), group->first, group->count, glm::mat3(in_view),
+                   glm::vec3(in_view * (set.origin_m - eye)), seen);
   }
-  if (counts.empty()) return;
+}
+
+void ObjectBatch::draw_set(const Set& set, const ObjectView& view, const Program& program) {
+  std::vector<std::uint32_t> seen;
+  choose_spheres(set, view, seen);
+  if (seen.empty()) return;
+  statistics_.drawn_spheres += seen.size();
+  glNamedBufferSubData(set.order.id(), 0, static_cast<GLsizeiptr>(seen.size() * sizeof seen[0]), seen.data());
   const ViewAxes axes = view_axes(view.camera);
   const glm::dvec3 origin = set.origin_m - view.camera.position_m;
   program.use();
@@ -334,7 +350,16 @@ void ObjectBatch::draw_set(const Set& set, const ObjectView& view, const Program
   if (!view.channels) glUniform1ui(2, set.material);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, set.spheres.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, set.colors.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, set.order.id());
   glBindVertexArray(sphere_array_.id());
+  // The elements of one group's polygons serve all: each draw begins where the one before ended.
+  const int corners = options_.rectangle ? 4 : options_.polygon;
+  std::vector<GLsizei> counts;
+  std::vector<GLint> firsts;
+  for (std::size_t first = 0; first < seen.size(); first += kGroup) {
+    counts.push_back(static_cast<GLsizei>(std::min<std::size_t>(kGroup, seen.size() - first)) * 3 * (corners - 2));
+    firsts.push_back(static_cast<GLint>(first) * corners);
+  }
   const std::vector<const void*> offsets(counts.size(), nullptr);
   glMultiDrawElementsBaseVertex(GL_TRIANGLES, counts.data(), GL_UNSIGNED_SHORT, offsets.data(),
                                 static_cast<GLsizei>(counts.size()), firsts.data());
@@ -369,6 +394,7 @@ Status ObjectBatch::draw(const ObjectView& view) {
     if (!with) return with.error();
     draw_kind(kind, view, **with);
   }
+  if (options_.occlusion && !sets_.empty()) occlusion_.begin(view.camera, view.width, view.height);
   for (const Set& set : sets_) {
     const auto with = prepare(primitive_row(PrimitiveKind::kSphere), true);
     if (!with) return with.error();

@@ -15,6 +15,7 @@
 #include "roadgen/render/camera.h"
 #include "roadgen/render/frustum.h"
 #include "roadgen/render/gl.h"
+#include "roadgen/render/occlusion.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/renderer.h"
 
@@ -57,7 +58,8 @@ class ObjectBatch {
   };
   struct Set {
     std::vector<Group> groups;
-    gl::Buffer spheres, colors;
+    gl::Buffer spheres, colors, order;
+    std::vector<glm::vec4> data;  // centre from the origin, radius
     glm::dvec3 origin_m;
     std::uint32_t first_instance, material;
     std::size_t count = 0;
@@ -68,8 +70,10 @@ class ObjectBatch {
   std::vector<const Group*> visible(std::span<const Group> groups, const ObjectView& view) const;
   void draw_kind(const Kind& kind, const ObjectView& view, const Program& program);
   void draw_set(const Set& set, const ObjectView& view, const Program& program);
+  void choose_spheres(const Set& set, const ObjectView& view, std::vector<std::uint32_t>& seen);
 
   ObjectOptions options_;
+  Occlusion occlusion_;
   std::vector<Kind> kinds_;
   std::vector<Set> sets_;
   std::map<std::string, Program> programs_;
