@@ -3,20 +3,17 @@
 #include "objects.glsl"
 #include "outputs.glsl"
 
-flat in uvec2 what;
+flat in uint index;
 flat in vec4 origin;
 flat in vec3 ahead;
-#ifndef SPHERES
 layout(std430, binding = 3) readonly buffer Objects { ObjectInstance objects[]; };
 flat in vec3 per_x;
 flat in vec3 per_y;
-#endif
-flat in vec4 place;
+flat in vec3 place;
 #ifdef IN_PLANE
 in vec2 in_plane;
 #endif
 layout(location = 1) uniform uint first_instance;  // of the channel
-layout(location = 2) uniform uint set_material;
 
 #if defined(IN_PLANE) && defined(PROXY_FLAT)
 // The rasterizer's own depth is the shape's.
@@ -35,11 +32,7 @@ struct ObjectRay {
 // Through a place of the picture, in pixels.
 ObjectRay ray_at(vec2 pixel, ObjectShape shape) {
   vec2 at = pixel - place.xy;
-#ifdef SPHERES
-  vec3 across = vec3(at * (right.w * place.w), 0.0);
-#else
   vec3 across = per_x * at.x + per_y * at.y;
-#endif
   ObjectRay r;
   r.o = origin.xyz + across * place.z;
   r.d = ahead + across;
@@ -58,13 +51,8 @@ layout(location = 3) uniform vec2 sample_places[SAMPLES];  // from the pixel's c
 #endif
 
 void main() {
-#ifdef SPHERES
-  ObjectShape shape;
-  shape.flags = OBJECT_SOLID;
-#else
-  ObjectInstance object = objects[what.x];
+  ObjectInstance object = objects[index];
   ObjectShape shape = object_shape(object);
-#endif
   vec2 pixel = gl_FragCoord.xy;
 #ifdef IN_TEXTURE_SPACE
 #if SAMPLES > 1
@@ -121,12 +109,8 @@ void main() {
   float depth = place.z + k;
 #endif
   vec3 slope = NAME_NORMAL(p, face, shape);
-#ifdef SPHERES
-  vec3 normal = right.xyz * slope.x + up.xyz * slope.y + forward.xyz * slope.z;
-#else
   vec3 normal = vec3(object.inverse[0].xyz) * slope.x + vec3(object.inverse[1].xyz) * slope.y +
                 vec3(object.inverse[2].xyz) * slope.z;
-#endif
   normal = normalize(normal);
   vec2 from_middle = (pixel - vec2(view_size.xy)) * right.w;
   vec3 direction = forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
@@ -135,24 +119,14 @@ void main() {
 #ifdef CHANNELS
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
   out_normal = vec4(normal, 0.0);
-#ifdef SPHERES
-  out_label = vec2(5.0, float(first_instance + what.y));
-#else
   out_label = vec2(5.0, float(first_instance + floatBitsToUint(object.axes[0].w)));
-#endif
 #else
   ObjectPoint point;
   point.position = direction * depth;
   point.normal = dot(normal, direction) > 0.0 ? -normal : normal;
   point.uv = NAME_UV(p, face, shape);
-#ifdef SPHERES
-  point.material = set_material;
-  vec3 color = unpackUnorm4x8(what.x).rgb;
-  point.tint = color * color;
-#else
   point.material = floatBitsToUint(object.axes[1].w);
   point.tint = vec3(1.0);
-#endif
   out_color = vec4(frame_tone(object_light(point)), 1.0);
 #endif
 #ifndef IN_TEXTURE_SPACE

@@ -175,7 +175,10 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   // Objects hide what is behind them, sample by sample; what is drawn after them fades over them.
   const bool blended = glIsEnabled(GL_BLEND);
   glDisable(GL_BLEND);
-  if (Status s = objects.draw({camera, width, height, samples, &programs == &data, first_object}); !s) return s;
+  const RenderTarget& target = &programs == &data ? channels : drawn;
+  const ObjectView view = {
+      camera, width, height, samples, &programs == &data, first_object, target.framebuffer(), target.depth()};
+  if (Status s = objects.draw(view); !s) return s;
   if (blended) glEnable(GL_BLEND);
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
