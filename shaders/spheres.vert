@@ -32,7 +32,7 @@ void main() {
 #ifdef PROXY_RECTANGLE
   // The tangent lines of the projected sphere: (c.x - m c.z)^2 = r^2 (1 + m^2). With b = c.x c.z / a, a = c.z^2 - r^2:
   // m = c.x / c.z + (its difference from there), which is small and computed as such.
-  vec2 side = vec2((corner_index & 1) != 0 ? 1.0 : -1.0, (corner_index & 2) != 0 ? 1.0 : -1.0);
+  vec2 side = vec2(corner_index == 0 || corner_index == 3 ? 1.0 : -1.0, corner_index < 2 ? 1.0 : -1.0);
   vec3 c = vec3(v.center);
   float a = (c.z - radius) * (c.z + radius);
   if (c.z <= radius * 1.0001) {
