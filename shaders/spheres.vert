@@ -27,6 +27,11 @@ void main() {
   place = v.place;
   // The nearest that anything of it can be: what is written is never in front of this.
   float near = float(view_size.w);
+  if (float(v.center.z) + radius < near) {
+    // Behind the near plane.
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
   float depth = near / max(float(v.center.z) - 1.000001 * radius, near);
   vec2 scale = 1.0 / eye_phase.zw;
 #ifdef PROXY_RECTANGLE
