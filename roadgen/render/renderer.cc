@@ -16,6 +16,7 @@
 #include "roadgen/render/gl.h"
 #include "roadgen/render/ground_batch.h"
 #include "roadgen/render/junction_batch.h"
+#include "roadgen/render/object_batch.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/road_tiles.h"
@@ -120,13 +121,15 @@ struct Renderer::State {
   JunctionBatch junctions;
   SweepBatch sweeps;
   GroundBatch ground;
+  ObjectBatch objects;
+  std::uint32_t first_object = 1;  // of the instance channel
   Lighting lighting;
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
   // least_contribution and ground_error_pixels: as in RendererOptions.
-  void draw_scene(const Programs& programs, const Camera& camera, int width, int height, double least_contribution,
-                  double ground_error_pixels);
+  Status draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
+                    double least_contribution, double ground_error_pixels);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   void show_ground_to_roads();
   Status draw_channels(const Camera& camera, int width, int height);
@@ -154,8 +157,8 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
 }
 
-void Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height,
-                                 double least_contribution, double ground_error_pixels) {
+Status Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
+                                   double least_contribution, double ground_error_pixels) {
   upload_frame(camera, width, height);
   glViewport(0, 0, width, height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -169,6 +172,14 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / height;
   ground.draw(programs.ground, programs.ground_at_tunnels, camera.position_m, ground_error_pixels * pixel, may_see);
   if (&programs == &picture) show_ground_to_roads();
+  // Objects hide what is behind them, sample by sample; what is drawn after them fades over them.
+  const bool blended = glIsEnabled(GL_BLEND);
+  glDisable(GL_BLEND);
+  const RenderTarget& target = &programs == &data ? channels : drawn;
+  const ObjectView view = {
+      camera, width, height, samples, &programs == &data, first_object, target.framebuffer(), target.depth()};
+  if (Status s = objects.draw(view); !s) return s;
+  if (blended) glEnable(GL_BLEND);
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
   programs.sky.use();
@@ -190,6 +201,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   sweeps.draw(programs.sweep, camera.position_m, may_see);
   glBindVertexArray(0);
   glUseProgram(0);
+  return Done{};
 }
 
 // What pixels of roads cost is in finding them: those behind the ground had better be known before.
@@ -216,7 +228,11 @@ Status Renderer::State::draw_picture(const Camera& camera, int width, int height
   // The road's edge fades over the ground drawn before it.
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  draw_scene(picture, camera, width, height, options.least_contribution, options.ground_error_pixels);
+  if (Status s = draw_scene(picture, camera, width, height, samples, options.least_contribution,
+                            options.ground_error_pixels);
+      !s) {
+    return s;
+  }
   glDisable(GL_BLEND);
   glBlitNamedFramebuffer(drawn.framebuffer(), resolved.framebuffer(), 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -234,8 +250,7 @@ Status Renderer::State::draw_channels(const Camera& camera, int width, int heigh
   glClearBufferfv(GL_COLOR, 1, none);
   glClearBufferfv(GL_COLOR, 2, none);
   glClearBufferfv(GL_DEPTH, 0, none);
-  draw_scene(data, camera, width, height, 0, 0);
-  return Done{};
+  return draw_scene(data, camera, width, height, 1, 0, 0);
 }
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -299,6 +314,7 @@ Status Renderer::load_roads(const Network& network) {
   state_->roads = RoadTiles(std::move(scene), state_->options.gpu_budget_bytes);
   state_->junctions.upload(network);
   state_->sweeps.upload(network);
+  state_->first_object = static_cast<std::uint32_t>(1 + network.roads.size() + network.junctions.size());
   return Done{};
 }
 
@@ -309,6 +325,19 @@ Status Renderer::load_ground(std::span<const TerrainMesh> tiles) {
   state_->ground.upload(tiles);
   return Done{};
 }
+
+Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& options) {
+  if (options.polygon < 3 || options.polygon > 32) {
+    return Error{ErrorCode::kUsage, "the polygons around objects must have 3 to 32 corners"};
+  }
+  for (const Diagnostic& fault : check(scene, 1)) {
+    return Error{ErrorCode::kData, fault.message, fault.file, fault.line, fault.element};
+  }
+  if (Status s = state_->context.make_current(); !s) return s;
+  return state_->objects.upload(scene, options);
+}
+
+ObjectStatistics Renderer::object_statistics() const { return state_->objects.statistics(); }
 
 GroundStatistics Renderer::ground_statistics() const { return state_->ground.statistics(); }
 

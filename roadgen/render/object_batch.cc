@@ -1,0 +1,233 @@
+#include "roadgen/render/object_batch.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec4.hpp>
+
+#include "roadgen/render/object_proxy.h"
+
+namespace roadgen {
+namespace {
+
+// The layouts that shaders/objects.glsl declares.
+struct ViewUniforms {
+  glm::dvec4 right, up, forward, size;
+};
+struct ObjectInstance {
+  glm::dvec4 center;
+  glm::dvec4 inverse[3];
+  glm::vec4 axes[3];
+  glm::vec4 numbers[3];
+};
+static_assert(sizeof(ObjectInstance) == 224);
+struct MaterialInstance {
+  glm::vec4 base, surface, specular, more;
+};
+
+float bits(std::uint32_t x) { return std::bit_cast<float>(x); }
+
+ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t number, std::uint32_t material) {
+  const glm::dmat3 inverse = glm::inverse(p.axes);
+  const ObjectLib::ObjectShape& s = p.shape;
+  ObjectInstance i;
+  i.center = glm::dvec4(p.center_m, radius_m);
+  for (int row = 0; row < 3; ++row) {
+    i.inverse[row] = glm::dvec4(inverse[0][row], inverse[1][row], inverse[2][row], 0);
+    i.axes[row] = glm::vec4(glm::vec3(p.axes[row]), 0);
+  }
+  i.axes[0].w = bits(number);
+  i.axes[1].w = bits(material);
+  i.numbers[0] = glm::dvec4(s.p0, s.p1, s.p2, s.p3);
+  i.numbers[1] = glm::dvec4(s.p4, s.p5, s.p6, s.p7);
+  i.numbers[2] = glm::dvec4(s.p8, s.p9, s.flags, 0);
+  return i;
+}
+
+MaterialInstance instance(const ObjectMaterial& m) {
+  MaterialInstance i;
+  i.base = glm::vec4(m.base_color, m.model == ObjectMaterial::Model::kPhong ? 1.0f : 0.0f);
+  i.surface = glm::vec4(m.metallic, m.roughness, m.reflection, m.transmission);
+  i.specular = glm::vec4(m.specular, m.shininess);
+  i.more = glm::vec4(m.ior, 0, 0, 0);
+  return i;
+}
+
+// Of a ball around the primitive's centre. Exact for a sphere and for an ellipsoid whose axes are perpendicular: the
+// square of the greatest singular value is at most the greatest sum of a row of A^T A.
+double ball_radius(const Primitive& p) {
+  if (p.kind == PrimitiveKind::kSphere) {
+    const glm::dmat3 m = glm::transpose(p.axes) * p.axes;
+    double greatest = 0;
+    for (int i = 0; i < 3; ++i) greatest = std::max(greatest, std::abs(m[i].x) + std::abs(m[i].y) + std::abs(m[i].z));
+    return std::sqrt(greatest);
+  }
+  const ObjectBounds box = bounds(p);
+  return glm::length(glm::max(box.high_m - p.center_m, p.center_m - box.low_m));
+}
+
+template <class T>
+gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
+  return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), flags);
+}
+
+Status check_fits(std::size_t bytes) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  if (bytes <= static_cast<std::size_t>(most)) return Done{};
+  return Error{ErrorCode::kData, "the objects of one kind take " + std::to_string(bytes >> 20) +
+                                     " MiB, more than this OpenGL driver's buffers of " + std::to_string(most >> 20) +
+                                     " MiB; split them into several sets"};
+}
+
+}  // namespace
+
+Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& options) {
+  *this = {};
+  options_ = options;
+  std::array<std::vector<std::uint32_t>, 16> members;
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+    members[static_cast<std::size_t>(primitive(scene.objects[i]).kind)].push_back(i);
+  }
+  for (const PrimitiveRow& row : primitive_table()) {
+    const auto& of_kind = members[static_cast<std::size_t>(row.kind)];
+    if (of_kind.empty()) continue;
+    if (Status s = add_kind(row.kind, scene, of_kind); !s) return s;
+  }
+  if (Status s = spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options); !s) return s;
+  statistics_.spheres = spheres_.spheres();
+  if (empty()) return Done{};
+  view_uniforms_ = gl::Buffer::with_data(sizeof(ViewUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  std::vector<MaterialInstance> materials;
+  for (const ObjectMaterial& material : scene.materials) materials.push_back(instance(material));
+  if (materials.empty()) materials.push_back(instance(ObjectMaterial{}));
+  materials_ = buffer_of(materials);
+  return Done{};
+}
+
+Status ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members) {
+  const PrimitiveRow& row = primitive_row(kind);
+  if (Status s = check_fits(members.size() * sizeof(ObjectInstance)); !s) return s;
+  std::vector<glm::dvec3> centers;
+  for (const std::uint32_t i : members) centers.push_back(primitive(scene.objects[i]).center_m);
+  std::vector<ObjectInstance> instances;
+  std::vector<glm::dvec3> sorted;
+  std::vector<double> radii;
+  for (const std::uint32_t place : space_order(centers)) {
+    const std::uint32_t i = members[place];
+    const Primitive p = primitive(scene.objects[i]);
+    const double ball = ball_radius(p);
+    instances.push_back(instance(p, ball, i, scene.objects[i].material));
+    sorted.push_back(p.center_m);
+    radii.push_back(ball);
+  }
+  Kind made;
+  made.kind = kind;
+  made.count = instances.size();
+  made.groups = groups_of(sorted, radii);
+  made.instances = buffer_of(instances);
+  made.order = gl::Buffer::with_data(static_cast<GLsizeiptr>(instances.size() * sizeof(std::uint32_t)), nullptr,
+                                     GL_DYNAMIC_STORAGE_BIT);
+  const ProxyMesh mesh = proxy_mesh(row.proxy, options_.rectangle ? 4 : options_.polygon);
+  made.corners = buffer_of(mesh.corners);
+  made.elements = buffer_of(mesh.elements);
+  made.element_count = static_cast<GLsizei>(mesh.elements.size());
+  made.vertex_array = gl::VertexArray::create();
+  const GLuint array = made.vertex_array.id();
+  glVertexArrayElementBuffer(array, made.elements.id());
+  glVertexArrayVertexBuffer(array, 0, made.order.id(), 0, sizeof(std::uint32_t));
+  glVertexArrayBindingDivisor(array, 0, 1);
+  glEnableVertexArrayAttrib(array, 0);
+  glVertexArrayAttribIFormat(array, 0, 1, GL_UNSIGNED_INT, 0);
+  glVertexArrayAttribBinding(array, 0, 0);
+  glVertexArrayVertexBuffer(array, 1, made.corners.id(), 0, sizeof(glm::vec3));
+  glEnableVertexArrayAttrib(array, 1);
+  glVertexArrayAttribFormat(array, 1, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(array, 1, 1);
+  statistics_.objects += made.count;
+  kinds_.push_back(std::move(made));
+  return Done{};
+}
+
+Result<const Program*> ObjectBatch::program(const PrimitiveRow& row, const ObjectView& view) {
+  const std::string name = row.name;
+  const std::string key = name + " " + (view.channels ? "channels" : std::to_string(view.samples));
+  if (const auto found = programs_.find(key); found != programs_.end()) return &found->second;
+  ShaderDefines defines = {{"NAME_HITS", name + "_hits"},   {"NAME_NORMAL", name + "_normal"},
+                           {"NAME_UV", name + "_uv"},       {"NAME_VALUE", name + "_value"},
+                           {"NAME_PROXY", name + "_proxy"}, {"SAMPLES", std::to_string(view.samples)}};
+  if (row.at_eye) defines.push_back({"AT_EYE", name + "_at_eye"});
+  if (row.flat) defines.push_back({"NAME_INSIDE", name + "_inside"});
+  const bool round = row.proxy == Proxy::kRound;
+  defines.push_back(
+      {round ? (options_.rectangle ? "PROXY_RECTANGLE" : "PROXY_ROUND") : (row.flat ? "PROXY_FLAT" : "PROXY_HULL"),
+       ""});
+  if (options_.texture_space && (row.flat || (round && !options_.rectangle))) defines.push_back({"IN_PLANE", ""});
+  if (view.channels) defines.push_back({"CHANNELS", ""});
+  auto made = Program::graphics("object.vert", "object.frag", defines);
+  if (!made) return made.error();
+  return &programs_.emplace(key, std::move(*made)).first->second;
+}
+
+void ObjectBatch::draw_kind(const Kind& kind, const ObjectView& view, const Program& program) {
+  std::vector<std::uint32_t> order;
+  for (const ObjectGroup* group : visible_groups(kind.groups, view)) {
+    for (std::uint32_t i = 0; i < group->count; ++i) order.push_back(group->first + i);
+  }
+  if (order.empty()) return;
+  statistics_.drawn_objects += order.size();
+  glNamedBufferSubData(kind.order.id(), 0, static_cast<GLsizeiptr>(order.size() * sizeof order[0]), order.data());
+  program.use();
+  glUniform1ui(1, view.first_instance);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, kind.instances.id());
+  glBindVertexArray(kind.vertex_array.id());
+  const PrimitiveRow& row = primitive_row(kind.kind);
+  const bool hull = !row.flat && row.proxy != Proxy::kRound;
+  if (hull) {
+    glEnable(GL_CULL_FACE);
+    glCullFace(GL_FRONT);
+  }
+  glDrawElementsInstanced(GL_TRIANGLES, kind.element_count, GL_UNSIGNED_SHORT, nullptr,
+                          static_cast<GLsizei>(order.size()));
+  if (hull) glDisable(GL_CULL_FACE);
+}
+
+Status ObjectBatch::draw(const ObjectView& view) {
+  statistics_.drawn_objects = 0;
+  if (empty()) return Done{};
+  const ViewAxes axes = view_axes(view.camera);
+  const glm::dvec3 eye = view.camera.position_m;
+  const double pixel = 2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360) / view.height;
+  const ViewUniforms uniforms = {glm::dvec4(axes.right, eye.x), glm::dvec4(axes.up, eye.y),
+                                 glm::dvec4(axes.forward, eye.z),
+                                 glm::dvec4(0.5 * view.width, 0.5 * view.height, pixel, view.camera.near_m)};
+  glNamedBufferSubData(view_uniforms_.id(), 0, sizeof uniforms, &uniforms);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 1, view_uniforms_.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, materials_.id());
+  std::vector<glm::vec2> samples(static_cast<std::size_t>(view.samples));
+  for (GLuint i = 0; view.samples > 1 && i < samples.size(); ++i) {
+    glGetMultisamplefv(GL_SAMPLE_POSITION, i, &samples[i].x);
+    samples[i] -= glm::vec2(0.5f);
+  }
+  for (const Kind& kind : kinds_) {
+    const auto with = program(primitive_row(kind.kind), view);
+    if (!with) return with.error();
+    if (view.samples > 1) glProgramUniform2fv((*with)->id(), 3, view.samples, &samples[0].x);
+    draw_kind(kind, view, **with);
+  }
+  const Status status = spheres_.draw(view, samples);
+  statistics_.drawn_spheres = spheres_.drawn();
+  glBindVertexArray(0);
+  return status;
+}
+
+}  // namespace roadgen

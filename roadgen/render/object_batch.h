@@ -1,0 +1,54 @@
+// Internal, not installed: objects and sets of spheres on the GPU, and their draw, one program a kind of primitive.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roadgen/object/object.h"
+#include "roadgen/object/primitive.h"
+#include "roadgen/render/gl.h"
+#include "roadgen/render/object_groups.h"
+#include "roadgen/render/program.h"
+#include "roadgen/render/renderer.h"
+#include "roadgen/render/sphere_batch.h"
+
+namespace roadgen {
+
+class ObjectBatch {
+ public:
+  // Replaces the objects. Requires: a scene that check() passes. Cost: O(n log n); 228 bytes an object; spheres: SphereBatch.
+  // Errors: kShader; kData: more than the driver's buffers hold.
+  Status upload(const ObjectScene& scene, const ObjectOptions& options);
+  bool empty() const { return kinds_.empty() && spheres_.empty(); }
+  const ObjectStatistics& statistics() const { return statistics_; }
+
+  // Draws what the camera may see, near groups first. Requires: depth test on, the frame's uniforms bound.
+  // Errors: kShader.
+  Status draw(const ObjectView& view);
+
+ private:
+  struct Kind {
+    PrimitiveKind kind;
+    std::vector<ObjectGroup> groups;
+    gl::Buffer instances, order, corners, elements;
+    gl::VertexArray vertex_array;
+    GLsizei element_count = 0;
+    std::size_t count = 0;
+  };
+  Status add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members);
+  Result<const Program*> program(const PrimitiveRow& row, const ObjectView& view);
+  void draw_kind(const Kind& kind, const ObjectView& view, const Program& program);
+
+  ObjectOptions options_;
+  std::vector<Kind> kinds_;
+  std::map<std::string, Program> programs_;
+  gl::Buffer view_uniforms_, materials_;
+  SphereBatch spheres_;
+  ObjectStatistics statistics_;
+};
+
+}  // namespace roadgen

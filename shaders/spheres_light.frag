@@ -1,0 +1,96 @@
+// The picture, or the data, of the spheres that spheres.frag found, once a pixel.
+#include "frame.glsl"
+#include "spheres.glsl"
+#include "outputs.glsl"
+#include "object_light.glsl"
+
+#if SAMPLES > 1
+layout(binding = 4) uniform usampler2DMS seen;
+layout(location = 40) uniform vec2 sample_places[SAMPLES];
+#else
+layout(binding = 4) uniform usampler2D seen;
+#endif
+layout(location = 1) uniform uint first_instance;  // of the channel
+layout(location = 2) uniform uint set_material;
+
+struct SpherePoint {
+  vec3 position;  // relative to the eye, ENU
+  vec3 normal;    // outward
+  vec3 direction; // 1 along the view axis
+  vec3 local;     // on the unit sphere, in ENU
+};
+
+// Requires: spheres[index] is met by the ray there, or passed within rounding.
+SpherePoint sphere_point(uint index, vec2 pixel) {
+  SphereView v = sphere_view(spheres[index]);
+  SphereRay r = sphere_ray(pixel, v.origin, v.ahead, v.place);
+  float k = sphere_first(r, v.origin.w, v.place.z > 0.0, forward.w - v.place.z);
+  if (k == OBJECT_FAR) k = r.k_nearest;
+  vec3 p = r.o + r.d * k;
+  vec2 from_middle = (pixel - vec2(view_size.xy)) * right.w;
+  SpherePoint s;
+  s.direction = forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
+  s.position = s.direction * (v.place.z + k);
+  s.local = right.xyz * p.x + up.xyz * p.y + forward.xyz * p.z;
+  s.normal = normalize(s.local);
+  return s;
+}
+
+#ifndef CHANNELS
+vec3 sphere_light(uint index, vec2 pixel) {
+  SpherePoint s = sphere_point(index, pixel);
+  ObjectPoint p;
+  p.position = s.position;
+  p.normal = dot(s.normal, s.direction) > 0.0 ? -s.normal : s.normal;
+  p.uv = sphere_uv(s.local, 0, object_solid());
+  p.material = set_material;
+  vec3 color = unpackUnorm4x8(sphere_colors[index].x).rgb;
+  p.tint = color * color;
+  return object_light(p);
+}
+#endif
+
+void main() {
+#if SAMPLES > 1
+  // Each sphere of the pixel once, by how many samples it has.
+  uint ids[SAMPLES];
+  int mask = 0;
+  for (int i = 0; i < SAMPLES; ++i) {
+    ids[i] = texelFetch(seen, ivec2(gl_FragCoord.xy), i).x;
+    if (ids[i] != 0u) mask |= 1 << i;
+  }
+  if (mask == 0) discard;
+  vec3 sum = vec3(0.0);
+  float count = 0.0;
+  for (int i = 0; i < SAMPLES; ++i) {
+    if (ids[i] == 0u) continue;
+    float same = 0.0;
+    for (int k = 0; k < SAMPLES; ++k) {
+      if (ids[k] != ids[i]) continue;
+      // Computed where it was met before.
+      if (k < i) {
+        same = 0.0;
+        break;
+      }
+      same += 1.0;
+    }
+    if (same == 0.0) continue;
+    vec2 off = same == float(SAMPLES) ? vec2(0.0) : sample_places[i];
+    sum += same * frame_tone(sphere_light(ids[i] - 1u, gl_FragCoord.xy + off));
+    count += same;
+  }
+  gl_SampleMask[0] = mask;
+  out_color = vec4(sum / count, 1.0);
+#else
+  uint id = texelFetch(seen, ivec2(gl_FragCoord.xy), 0).x;
+  if (id == 0u) discard;
+#ifdef CHANNELS
+  SpherePoint s = sphere_point(id - 1u, gl_FragCoord.xy);
+  out_road = vec4(-1.0, 0.0, 0.0, 0.0);
+  out_normal = vec4(s.normal, 0.0);
+  out_label = vec2(5.0, float(first_instance + sphere_colors[id - 1u].y));
+#else
+  out_color = vec4(frame_tone(sphere_light(id - 1u, gl_FragCoord.xy)), 1.0);
+#endif
+#endif
+}
