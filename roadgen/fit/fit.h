@@ -80,7 +80,7 @@ Certificate certify(const Road& road, std::span<const Sample> samples, std::size
 // an error that stayed above the one allowed, as warnings.
 // Errors: fewer than two distinct samples; not finite; fixed ends of a closed road or of Catmull-Rom tangents (kUsage); as
 // road_from_anchors (a hairpin tighter than kLeastHalfWidth_m).
-// Cost: 1e-4 s per sample on one core where samples are many a segment, 3e-4 to 7e-4 s where they are few.
+// Cost: 1e-4 s per sample on one core.
 Result<FittedRoad> fit_road(std::span<const Sample> samples, const FitOptions& options,
                             Diagnostics* diagnostics = nullptr);
 

@@ -160,7 +160,7 @@ bool is_mostly_free(const JunctionSurface& surface, const Network& network, cons
   std::vector<bool> covered(static_cast<std::size_t>(columns) * rows, false);
   // Closer than the cells are wide, so that none of those that a road covers is missed.
   for (const std::size_t way : ways) {
-    visit_carriageway(network.roads[way], 0.25 * kProbe_m, 0.5 * kProbe_m,
+    visit_carriageway(network.roads[way], 0.4 * kProbe_m, 0.5 * kProbe_m,
                       [&](const Segment&, double, double, glm::dvec2 p, bool) {
                         const int x = static_cast<int>(std::floor((p.x - low.x) / kProbe_m));
                         const int y = static_cast<int>(std::floor((p.y - low.y) / kProbe_m));

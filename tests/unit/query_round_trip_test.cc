@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
+#include "roadgen/import/import.h"
 #include "roadgen/import/opendrive.h"
 #include "roadgen/query/road_index.h"
 #include "tests/common/city.h"
@@ -241,6 +242,14 @@ Network shared_map(const std::string& name) {
   return read.ok() ? std::move(*read) : Network{};
 }
 
+Network shared_extract(const std::string& name) {
+  const std::string path = std::string(ROADGEN_SOURCE_DIR) + "/../shared/data/road-geo/osm-graphhopper/" + name;
+  if (!std::filesystem::exists(path)) return {};
+  auto imported = import_files({path}, {});
+  EXPECT_TRUE(imported.ok()) << (imported.ok() ? "" : imported.error().text());
+  return imported.ok() ? std::move(imported->network) : Network{};
+}
+
 struct Case {
   const char* name;
   Network (*make)();
@@ -261,7 +270,10 @@ const Case kCases[] = {{"ring", ring, 20000},
                        {"roundabout", [] { return shared_map("maliput/Roundabout"); }, 100000},
                        {"crossing8", [] { return shared_map("maliput/Crossing8Course"); }, 100000},
                        {"superelevated", [] { return shared_map("maliput/SShapeSuperelevatedRoad"); }, 100000},
-                       {"spiral", [] { return shared_map("maliput/SpiralRoad"); }, 100000}};
+                       {"spiral", [] { return shared_map("maliput/SpiralRoad"); }, 100000},
+                       {"elevated", [] { return shared_map("maliput/ArcElevatedRoad"); }, 100000},
+                       {"parametric", [] { return shared_map("maliput/ParametricCubicCurveRoad"); }, 100000},
+                       {"monaco", [] { return shared_extract("monaco.osm.gz"); }, 100000}};
 
 class RoundTrip : public ::testing::TestWithParam<Case> {
  protected:
