@@ -18,11 +18,11 @@ struct JsonValue {
   enum class Kind { kNull, kBool, kNumber, kString, kArray, kObject };
   Kind kind = Kind::kNull;
   int line = 0;
-  bool truth = false;                                      // kBool
-  double number = 0;                                       // kNumber
-  std::string text;                                        // kString
-  std::vector<JsonValue> items;                            // kArray
-  std::vector<std::pair<std::string, JsonValue>> members;  // kObject, in the file's order
+  bool truth = false;                                           // kBool
+  double number = 0;                                            // kNumber
+  std::string text = {};                                        // kString
+  std::vector<JsonValue> items = {};                            // kArray
+  std::vector<std::pair<std::string, JsonValue>> members = {};  // kObject, in the file's order
 
   const JsonValue* find(std::string_view key) const;
 };

@@ -54,7 +54,7 @@ struct Property {
   std::optional<Type> count;  // of a list: the type of its length
 };
 
-struct Element {
+struct PlyElement {
   bool vertex = false;
   std::size_t count = 0;
   std::vector<Property> properties;
@@ -62,7 +62,7 @@ struct Element {
 
 struct Header {
   bool ascii = true;
-  std::vector<Element> elements;
+  std::vector<PlyElement> elements;
 };
 
 // Bytes and words of the file, from its beginning on.
@@ -174,7 +174,7 @@ Result<Header> parse_header(Source& source) {
 }
 
 // Reads one element's values; those that mean something to us go to `value`.
-Status read_element(Source& source, const Element& element, bool ascii, double* value) {
+Status read_element(Source& source, const PlyElement& element, bool ascii, double* value) {
   const auto cut = [&] { return source.error("the data end early, or hold what is not a number"); };
   for (const Property& property : element.properties) {
     if (property.count) {
@@ -192,7 +192,7 @@ Status read_element(Source& source, const Element& element, bool ascii, double* 
   return Done{};
 }
 
-bool has(const Element& element, Role role) {
+bool has(const PlyElement& element, Role role) {
   for (const Property& property : element.properties) {
     if (property.role == role) return true;
   }
@@ -211,7 +211,7 @@ Result<SphereSet> parse_ply(std::string_view bytes, const std::string& file, con
   Source source(bytes, file);
   const auto header = parse_header(source);
   if (!header) return header.error();
-  for (const Element& element : header->elements) {
+  for (const PlyElement& element : header->elements) {
     double value[kOther + 1] = {0, 0, 0, options.radius, 0, 0, 0, 0};
     if (!element.vertex) {
       // One without values would be passed over a count of times that nothing bounds.

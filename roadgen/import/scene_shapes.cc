@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
@@ -264,15 +265,12 @@ Status read_color(const JsonNode& node, glm::vec3& color) {
 }  // namespace
 
 Status expect_object_keys(const JsonNode& node, Keys keys) {
+  std::vector<std::string_view> known(keys);
+  known.insert(known.end(), kObjectKeys.begin(), kObjectKeys.end());
   for (const auto& [key, value] : node.value().members) {
-    const auto is_known = [&, &name = key](Keys known) {
-      return std::find(known.begin(), known.end(), name) != known.end();
-    };
-    if (is_known(kObjectKeys) || is_known(keys)) continue;
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     std::string names;
-    for (const Keys& known : {keys, kObjectKeys}) {
-      for (const std::string_view name : known) names += (names.empty() ? "" : ", ") + std::string(name);
-    }
+    for (const std::string_view name : known) names += (names.empty() ? "" : ", ") + std::string(name);
     return node.at(key)->error("unknown key; known here: " + names);
   }
   return Done{};
@@ -289,13 +287,13 @@ Result<Shape> read_shape(const std::string& type, const JsonNode& node) {
   return node.at("type")->error("unknown type " + quoted(type) + "; known are " + names + "spheres, group");
 }
 
-Result<Material> read_material(const std::string& name, const JsonNode& node, const std::string& folder) {
+Result<ObjectMaterial> read_material(const std::string& name, const JsonNode& node, const std::string& folder) {
   if (Status s = node.expect_keys({"model", "base_color", "metallic", "roughness", "specular", "shininess",
                                    "reflection", "transmission", "ior", "texture"});
       !s) {
     return s.error();
   }
-  Material material;
+  ObjectMaterial material;
   material.name = name;
   Fields f(node);
   if (node.has("model")) {
@@ -303,7 +301,7 @@ Result<Material> read_material(const std::string& name, const JsonNode& node, co
       const auto model = n.text();
       if (!model) return model.error();
       if (*model != "metal-roughness" && *model != "phong") return n.error("the models are metal-roughness and phong");
-      material.model = *model == "phong" ? Material::Model::kPhong : Material::Model::kMetalRoughness;
+      material.model = *model == "phong" ? ObjectMaterial::Model::kPhong : ObjectMaterial::Model::kMetalRoughness;
       return Done{};
     });
   }

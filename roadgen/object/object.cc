@@ -9,6 +9,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "roadgen/object/primitive.h"
+
 namespace roadgen {
 namespace {
 
@@ -105,7 +107,8 @@ Fault fault_of(const Quadric& s) {
     if (!(s.box_low[axis] < s.box_high[axis])) return "the box must have an extent: its low corner below its high one";
     if (!fits(s.box_high[axis] - s.box_low[axis])) return "the box must be 1e-9 to 1e9 m wide";
   }
-  switch (quadric_type(s.coefficients)) {
+  // In the frame of the box, where its size and place do not blur what is zero.
+  switch (quadric_type(quadric_in_box(s))) {
     case QuadricType::kNothing: return "the quadric is singular: all its coefficients but the last are 0";
     case QuadricType::kImaginaryEllipsoid:
     case QuadricType::kImaginaryCylinder:
@@ -158,7 +161,7 @@ Fault fault_of_transform(const glm::dmat4& m) {
 bool unit_range(float x) { return x >= 0 && x <= 1; }
 bool unit_range(glm::vec3 c) { return unit_range(c.x) && unit_range(c.y) && unit_range(c.z); }
 
-Fault fault_of(const Material& m) {
+Fault fault_of(const ObjectMaterial& m) {
   if (!unit_range(m.base_color) || !unit_range(m.specular)) return "colours must lie in 0 to 1";
   if (!unit_range(m.metallic) || !unit_range(m.roughness)) return "metallic and roughness must lie in 0 to 1";
   if (!unit_range(m.reflection) || !unit_range(m.transmission)) return "reflection and transmission must lie in 0 to 1";
@@ -229,7 +232,7 @@ Diagnostics check(const ObjectScene& scene, std::size_t most) {
   const std::size_t materials = std::max<std::size_t>(1, scene.materials.size());
   constexpr Fault kNoMaterial = "there is no material of this index: ";
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    const Material& material = scene.materials[i];
+    const ObjectMaterial& material = scene.materials[i];
     if (const Fault fault = fault_of(material)) report(fault, place("material", i, material.name));
   }
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {

@@ -149,7 +149,7 @@ QuadricType quadric_type(const std::array<double, 10>& coefficients);
 const char* quadric_type_name(QuadricType type);
 
 // What light does on a surface. Colours are linear.
-struct Material {
+struct ObjectMaterial {
   enum class Model { kMetalRoughness, kPhong };
   std::string name;
   Model model = Model::kMetalRoughness;
@@ -186,7 +186,7 @@ struct SphereSet {
 struct ObjectScene {
   std::vector<Object> objects;
   std::vector<SphereSet> sphere_sets;
-  std::vector<Material> materials;  // none: all objects take Material{}
+  std::vector<ObjectMaterial> materials;  // none: all objects take ObjectMaterial{}
 
   // Objects and the spheres of all sets. Instance i of the scene is object i, or the sphere of that place in all sets
   // one after the other after the objects.

@@ -54,6 +54,8 @@ class Float32 {
   friend Float32 sqrt(Float32 x) { return Float32(std::sqrt(x.value_)); }
   friend Float32 sin(Float32 x) { return Float32(std::sin(x.value_)); }
   friend Float32 cos(Float32 x) { return Float32(std::cos(x.value_)); }
+  friend Float32 acos(Float32 x) { return Float32(std::acos(x.value_)); }
+  friend Float32 atan(Float32 y, Float32 x) { return Float32(std::atan2(y.value_, x.value_)); }
   friend Float32 exp(Float32 x) { return Float32(std::exp(x.value_)); }
   friend Float32 pow(Float32 x, Float32 y) { return Float32(std::pow(x.value_, y.value_)); }
   friend Float32 abs(Float32 x) { return Float32(std::abs(x.value_)); }
@@ -65,12 +67,14 @@ class Float32 {
 
 // GLSL's built-in functions by which the library is written. Found by argument-dependent lookup for class scalars.
 using std::abs;
+using std::acos;
 using std::cos;
 using std::exp;
 using std::floor;
 using std::pow;
 using std::sin;
 using std::sqrt;
+inline double atan(double y, double x) { return std::atan2(y, x); }
 template <class T>
 T min(const T& a, const T& b) { return b < a ? b : a; }
 template <class T>
@@ -104,6 +108,9 @@ glm::vec<2, T> normalize(const glm::vec<2, T>& v) { return v * (T(1.0) / length(
 template <class T>
 glm::vec<3, T> normalize(const glm::vec<3, T>& v) { return v * (T(1.0) / length(v)); }
 
+// Functions of one kind take the same parameters, whether they need them or not.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 template <class Real>
 struct Library {
   using vec2 = glm::vec<2, Real>;
@@ -123,10 +130,18 @@ struct Library {
 #include "shaders/lib/material.glsl"
 #include "shaders/lib/junction.glsl"
 #include "shaders/lib/sweep.glsl"
+#include "shaders/lib/object.glsl"
+#include "shaders/lib/sphere.glsl"
+#include "shaders/lib/quadric.glsl"
+#include "shaders/lib/cone.glsl"
+#include "shaders/lib/polyhedron.glsl"
+#include "shaders/lib/torus.glsl"
+#include "shaders/lib/planar.glsl"
 #undef OUT
 #undef IN
 #undef FN
 #undef float
 };
+#pragma GCC diagnostic pop
 
 }  // namespace roadgen::glsl
