@@ -7,6 +7,9 @@
 #include <CLI/CLI.hpp>
 
 #include "roadgen/cli/command.h"
+#include "roadgen/import/scene_file.h"
+#include "roadgen/query/road_index.h"
+#include "roadgen/render/placement.h"
 #include "terrain/terrain.h"
 
 namespace roadgen::cli {
@@ -17,9 +20,24 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
                  "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid. Default: the roads' own heights");
   app.add_option("--dem-encoding", options.dem_encoding, "What its pixels are: heights, terrain-rgb or terrarium")
       ->capture_default_str();
+  app.add_option("--scene", options.props_path, "Scene file of objects, props.json: see README. Default: none");
   app.add_option("--context", options.context, "osmesa, egl or window. Default: osmesa");
   app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
 }
+
+namespace {
+
+// The objects of the scene file, those with a place on a road on it.
+Result<ObjectScene> read_props(const std::string& path, const Network& network) {
+  auto read = read_scene(path);
+  if (!read) return read.error();
+  if (!read->placements.empty()) {
+    if (Status s = place_on_roads(read->placements, RoadIndex(network), read->scene); !s) return s.error();
+  }
+  return std::move(read->scene);
+}
+
+}  // namespace
 
 Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   Scene scene;
@@ -28,6 +46,12 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   const auto encoding = height_encoding_from_name(options.dem_encoding);
   if (!encoding) return encoding.error();
   // Before the terrain, which takes longer and needs no context.
+  std::optional<ObjectScene> props;
+  if (!options.props_path.empty()) {
+    auto read = read_props(options.props_path, network);
+    if (!read) return read.error();
+    props.emplace(std::move(*read));
+  }
   auto context = Context::create({.kind = *kind,
                                   .egl_device = options.egl_device,
                                   .width = options.width,
@@ -56,6 +80,9 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   scene.renderer.emplace(std::move(*renderer));
   if (Status s = scene.renderer->load_roads(network); !s) return s.error();
   if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
+  if (props) {
+    if (Status s = scene.renderer->load_objects(*props); !s) return s.error();
+  }
   const TerrainReport& report = terrain->report();
   std::fprintf(stderr, "terrain: %zu triangles, clearance under the roads %.3f to %.3f m, %zu voids filled, %.1f s\n",
                report.triangles, report.clearance_min_m, report.clearance_max_m, report.voids_filled, report.seconds);

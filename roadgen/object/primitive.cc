@@ -13,9 +13,9 @@ namespace {
 // By value, as the library declares them.
 using Numbers = ObjectLib::ObjectShape;
 
-#define PRIMITIVE(kind, name, proxy, flat, radius)                                                     \
+#define PRIMITIVE(kind, name, proxy, flat, at_eye)                                                     \
   PrimitiveRow {                                                                                       \
-    PrimitiveKind::kind, #name, Proxy::proxy, flat, radius,                                            \
+    PrimitiveKind::kind, #name, Proxy::proxy, flat, at_eye,                                            \
         [](glm::dvec3 p, const Numbers& s) { return ObjectLib::name##_value(p, s); },                  \
         [](glm::dvec3 o, glm::dvec3 d, double at_o, const Numbers& s) {                                \
           return ObjectLib::name##_hits(o, d, at_o, s);                                                \
@@ -26,16 +26,16 @@ using Numbers = ObjectLib::ObjectShape;
 
 // One row a primitive.
 const PrimitiveRow kTable[] = {
-    PRIMITIVE(kSphere, sphere, kRound, false, 1),
-    PRIMITIVE(kQuadric, quadric, kBox, false, 1.7320508),
-    PRIMITIVE(kCone, cone, kPrism, false, 1.4142136),
-    PRIMITIVE(kBox, box, kBox, false, 1.7320508),
-    PRIMITIVE(kTetra, tetra, kTetra, false, 0.8291562),
-    PRIMITIVE(kTorus, torus, kPrism, false, 2),
-    PRIMITIVE(kDisc, disc, kPolygon, true, 1),
-    PRIMITIVE(kConic, conic, kSquare, true, 1.4142136),
-    PRIMITIVE(kTriangle, triangle, kTriangle, true, 0.7453560),
-    PRIMITIVE(kRhomb, rhomb, kSquare, true, 1.4142136),
+    PRIMITIVE(kSphere, sphere, kRound, false, true),
+    PRIMITIVE(kQuadric, quadric, kBox, false, true),
+    PRIMITIVE(kCone, cone, kPrism, false, true),
+    PRIMITIVE(kBox, box, kBox, false, false),
+    PRIMITIVE(kTetra, tetra, kTetra, false, false),
+    PRIMITIVE(kTorus, torus, kPrism, false, false),
+    PRIMITIVE(kDisc, disc, kPolygon, true, false),
+    PRIMITIVE(kConic, conic, kSquare, true, false),
+    PRIMITIVE(kTriangle, triangle, kTriangle, true, false),
+    PRIMITIVE(kRhomb, rhomb, kSquare, true, false),
 };
 #undef PRIMITIVE
 
@@ -47,7 +47,9 @@ void frame_around(glm::dvec3 z, glm::dvec3& x, glm::dvec3& y) {
 }
 
 Primitive made(PrimitiveKind kind, glm::dvec3 center, glm::dvec3 x, glm::dvec3 y, glm::dvec3 z) {
-  return {kind, center, glm::dmat3(x, y, z), {}};
+  Primitive p{kind, center, glm::dmat3(x, y, z), {}};
+  p.shape.flags = primitive_row(kind).flat ? 0 : OBJECT_SOLID;
+  return p;
 }
 
 Primitive around(PrimitiveKind kind, glm::dvec3 center, glm::dvec3 axis, double out, double along) {
@@ -108,7 +110,7 @@ Primitive of(const Quadric& s) {
   Primitive p = made(PrimitiveKind::kQuadric, m, {h.x, 0, 0}, {0, h.y, 0}, {0, 0, h.z});
   std::array<double, 10> q = quadric_in_box(s);
   const QuadricType type = quadric_type(q);
-  if (s.solid) p.shape.flags |= OBJECT_SOLID;
+  if (!s.solid) p.shape.flags = 0;
   if (type == QuadricType::kIntersectingPlanes || type == QuadricType::kParallelPlanes) {
     p.shape.flags |= OBJECT_MEETS_ALL;
   }

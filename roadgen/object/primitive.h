@@ -36,8 +36,8 @@ struct PrimitiveRow {
   PrimitiveKind kind;
   const char* name;  // the functions' prefix in shaders/lib
   Proxy proxy;
-  bool flat;      // lies in z = 0
-  double radius;  // of a ball around it in its frame, but for what NAME_proxy changes, at most
+  bool flat;    // lies in z = 0
+  bool at_eye;  // its hits use its value at the ray's origin: NAME_at_eye in shaders/object.vert gives it in double
   double (*value)(glm::dvec3 p, const ObjectLib::ObjectShape& shape);
   ObjectLib::ObjectHits (*hits)(glm::dvec3 o, glm::dvec3 d, double at_o, const ObjectLib::ObjectShape& shape);
   glm::dvec3 (*normal)(glm::dvec3 p, int face, const ObjectLib::ObjectShape& shape);

@@ -32,7 +32,7 @@ ObjectHit made(const Primitive& p, const LocalRay& ray, double k, int face, glm:
   hit.face = face;
   hit.position_m = origin_m + direction * hit.t;
   hit.normal = glm::normalize(glm::transpose(glm::inverse(p.axes)) * row.normal(at, face, p.shape));
-  const bool open = row.flat || (p.kind == PrimitiveKind::kQuadric && (p.shape.flags & OBJECT_SOLID) == 0);
+  const bool open = (p.shape.flags & OBJECT_SOLID) == 0;
   if (open && glm::dot(hit.normal, direction) > 0) hit.normal = -hit.normal;
   hit.uv = row.uv(at, face, p.shape);
   return hit;
@@ -73,6 +73,7 @@ Primitive ObjectRays::State::primitive_of(std::uint32_t instance) const {
   Primitive p;
   p.center_m = sets[set].origin_m + glm::dvec3(item.center);
   p.axes = glm::dmat3(static_cast<double>(item.radius));
+  p.shape.flags = OBJECT_SOLID;
   return p;
 }
 

@@ -16,6 +16,7 @@
 #include "roadgen/render/gl.h"
 #include "roadgen/render/ground_batch.h"
 #include "roadgen/render/junction_batch.h"
+#include "roadgen/render/object_batch.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/road_tiles.h"
@@ -120,11 +121,14 @@ struct Renderer::State {
   JunctionBatch junctions;
   SweepBatch sweeps;
   GroundBatch ground;
+  ObjectBatch objects;
+  std::uint32_t first_object = 1;  // of the instance channel
   Lighting lighting;
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
-  void draw_scene(const Programs& programs, const Camera& camera, int width, int height, double least_contribution);
+  Status draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
+                    double least_contribution);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   void show_ground_to_roads();
   Status draw_channels(const Camera& camera, int width, int height);
@@ -152,8 +156,8 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
 }
 
-void Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height,
-                                 double least_contribution) {
+Status Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
+                                   double least_contribution) {
   upload_frame(camera, width, height);
   glViewport(0, 0, width, height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -168,6 +172,11 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   ground.draw(programs.ground, programs.ground_at_tunnels, camera.position_m, options.ground_error_pixels * pixel,
               may_see);
   if (&programs == &picture) show_ground_to_roads();
+  // Objects hide what is behind them, sample by sample; what is drawn after them fades over them.
+  const bool blended = glIsEnabled(GL_BLEND);
+  glDisable(GL_BLEND);
+  if (Status s = objects.draw({camera, width, height, samples, &programs == &data, first_object}); !s) return s;
+  if (blended) glEnable(GL_BLEND);
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
   programs.sky.use();
@@ -189,6 +198,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   sweeps.draw(programs.sweep, camera.position_m, may_see);
   glBindVertexArray(0);
   glUseProgram(0);
+  return Done{};
 }
 
 // What pixels of roads cost is in finding them: those behind the ground had better be known before.
@@ -215,7 +225,7 @@ Status Renderer::State::draw_picture(const Camera& camera, int width, int height
   // The road's edge fades over the ground drawn before it.
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  draw_scene(picture, camera, width, height, options.least_contribution);
+  if (Status s = draw_scene(picture, camera, width, height, samples, options.least_contribution); !s) return s;
   glDisable(GL_BLEND);
   glBlitNamedFramebuffer(drawn.framebuffer(), resolved.framebuffer(), 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -233,8 +243,7 @@ Status Renderer::State::draw_channels(const Camera& camera, int width, int heigh
   glClearBufferfv(GL_COLOR, 1, none);
   glClearBufferfv(GL_COLOR, 2, none);
   glClearBufferfv(GL_DEPTH, 0, none);
-  draw_scene(data, camera, width, height, 0);
-  return Done{};
+  return draw_scene(data, camera, width, height, 1, 0);
 }
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -298,6 +307,7 @@ Status Renderer::load_roads(const Network& network) {
   state_->roads = RoadTiles(std::move(scene), state_->options.gpu_budget_bytes);
   state_->junctions.upload(network);
   state_->sweeps.upload(network);
+  state_->first_object = static_cast<std::uint32_t>(1 + network.roads.size() + network.junctions.size());
   return Done{};
 }
 
@@ -308,6 +318,19 @@ Status Renderer::load_ground(std::span<const TerrainMesh> tiles) {
   state_->ground.upload(tiles);
   return Done{};
 }
+
+Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& options) {
+  if (options.polygon < 3 || options.polygon > 32) {
+    return Error{ErrorCode::kUsage, "the polygons around objects must have 3 to 32 corners"};
+  }
+  for (const Diagnostic& fault : check(scene, 1)) {
+    return Error{ErrorCode::kData, fault.message, fault.file, fault.line, fault.element};
+  }
+  if (Status s = state_->context.make_current(); !s) return s;
+  return state_->objects.upload(scene, options);
+}
+
+ObjectStatistics Renderer::object_statistics() const { return state_->objects.statistics(); }
 
 GroundStatistics Renderer::ground_statistics() const { return state_->ground.statistics(); }
 

@@ -13,6 +13,7 @@
 #include <memory>
 #include <span>
 
+#include "roadgen/object/object.h"
 #include "roadgen/render/camera.h"
 #include "roadgen/render/context.h"
 #include "roadgen/render/image.h"
@@ -35,7 +36,14 @@ enum Channel : unsigned {
 };
 
 // Values of the label channel. Structures are the sweeps along roads: tunnels, guard rails, pipes, cables, and their posts.
-enum class Label : std::uint32_t { kNone = 0, kGround = 1, kCarriageway = 2, kMarking = 3, kStructure = 4 };
+enum class Label : std::uint32_t {
+  kNone = 0,
+  kGround = 1,
+  kCarriageway = 2,
+  kMarking = 3,
+  kStructure = 4,
+  kObject = 5
+};
 
 struct FrameOptions {
   int width = 1280, height = 720;  // pixels, in [1, 16384]
@@ -48,7 +56,8 @@ struct Frame {
   Image8 color;                // RGBA
   ImageF depth_m;              // along the view axis, +inf where nothing is
   Image<std::uint32_t> label;  // Label
-  // 1 + index of the road, also of its structures; 1 + number of roads + index of the junction; 0 elsewhere
+  // 1 + index of the road, also of its structures; 1 + number of roads + index of the junction; 1 + number of roads and
+  // junctions + number of the object (ObjectScene::instances); 0 elsewhere. Exact below 2^24.
   Image<std::uint32_t> instance;
   ImageF normal;  // 3 channels: unit, ENU; 0 where nothing is
   // 4 channels: index of the road, s (m), t (m), lane; on a junction -2 - its index, x and y (m, ENU) from its centre
@@ -72,6 +81,22 @@ struct RendererOptions {
   bool cull = true;
 };
 
+// How objects are drawn; what is seen is the same.
+struct ObjectOptions {
+  // Corners of the polygon around a sphere and around the ends of a cylinder. In [3, 32]. Default: see README, speed
+  int polygon = 6;
+  // Spheres and ellipsoids by the rectangle on the screen that they touch.
+  bool rectangle = false;
+  // Acceptance where the rasterizer interpolates the plane of a flat shape, or the circle of a sphere (the paper's texture
+  // space), in place of the ray's own place in 3D.
+  bool texture_space = false;
+};
+
+struct ObjectStatistics {
+  std::size_t objects = 0, spheres = 0;              // in the scene
+  std::size_t drawn_objects = 0, drawn_spheres = 0;  // in the last frame
+};
+
 struct Lighting {
   double sun_azimuth_deg = 215;   // counter-clockwise from east
   double sun_elevation_deg = 38;  // in (0, 90]
@@ -93,6 +118,11 @@ class Renderer {
   // where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
+  // Replaces the objects. Cost: O(n log n), n objects and spheres.
+  // Errors: kData with the object, for the first that check() finds or where the GPU has no room; kUsage: an option out of
+  // its range; kShader.
+  Status load_objects(const ObjectScene& scene, const ObjectOptions& options = {});
+  ObjectStatistics object_statistics() const;
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 124;
   RoadStatistics road_statistics() const;

@@ -40,3 +40,9 @@ FN vec2 cone_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   if (face != 0) return vec2(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y);
   return vec2(object_turn(p.y, p.x), 0.5 + 0.5 * p.z);
 }
+
+// A vertex of the prism around the unit cylinder, at this solid.
+FN vec3 cone_proxy(IN(vec3) q, IN(ObjectShape) s) {
+  float radius = s.p0 + s.p1 * q.z;
+  return vec3(q.x * radius, q.y * radius, q.z);
+}

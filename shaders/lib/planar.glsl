@@ -63,3 +63,8 @@ FN vec2 triangle_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   return vec2(p.x + 0.33333333333333333, p.y + 0.33333333333333333);
 }
 FN vec2 rhomb_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) { return vec2(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y); }
+
+FN vec3 disc_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }
+FN vec3 conic_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }
+FN vec3 triangle_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }
+FN vec3 rhomb_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }

@@ -33,3 +33,6 @@ FN vec3 tetra_normal(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
 FN vec2 tetra_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   return face == 1 ? vec2(p.y + 0.25, p.z + 0.25) : vec2(p.x + 0.25, (face == 2 ? p.z : p.y) + 0.25);
 }
+
+FN vec3 box_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }
+FN vec3 tetra_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }

@@ -72,3 +72,5 @@ FN vec2 quadric_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   if (face == 3 || face == 4) return vec2(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.z);
   return vec2(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y);
 }
+
+FN vec3 quadric_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }

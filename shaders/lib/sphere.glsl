@@ -23,3 +23,18 @@ FN vec3 sphere_normal(IN(vec3) p, IN(int) face, IN(ObjectShape) s) { return p; }
 FN vec2 sphere_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   return vec2(object_turn(p.y, p.x), 0.5 + atan(p.z, sqrt(p.x * p.x + p.y * p.y)) * 0.31830989);
 }
+
+// A vertex of the polygon around the circle in which an eye outside sees the sphere: the circle has the centre C2 and the
+// radius r2 of the paper's algorithm 3, here for the unit sphere and an eye at distance `from` in the unit direction
+// `toward`; (x, y) lies on a polygon around the unit circle.
+FN vec3 sphere_circle(IN(float) x, IN(float) y, IN(vec3) toward, IN(float) from) {
+  vec3 other = abs(toward.z) < 0.7 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+  vec3 across = normalize(vec3(other.y * toward.z - other.z * toward.y, other.z * toward.x - other.x * toward.z,
+                               other.x * toward.y - other.y * toward.x));
+  vec3 up_ = vec3(toward.y * across.z - toward.z * across.y, toward.z * across.x - toward.x * across.z,
+                  toward.x * across.y - toward.y * across.x);
+  float part = 1.0 / from;
+  float radius = sqrt(max(1.0 - part * part, float(0.0)));
+  return toward * part + across * (x * radius) + up_ * (y * radius);
+}
+FN vec3 sphere_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }

@@ -93,3 +93,7 @@ FN vec3 torus_normal(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
 FN vec2 torus_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   return vec2(object_turn(p.y, p.x), object_turn(p.z, sqrt(p.x * p.x + p.y * p.y) - 1.0));
 }
+
+FN vec3 torus_proxy(IN(vec3) q, IN(ObjectShape) s) {
+  return vec3(q.x * (1.0 + s.p0), q.y * (1.0 + s.p0), q.z * s.p0);
+}

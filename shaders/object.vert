@@ -1,0 +1,156 @@
+// A polygon or a hull that covers one object on the screen, and the object's rays: in its own frame they are linear in the
+// pixel, o + k d with d = ahead + x per_x + y per_y, (x, y) pixels from `place`, and o = origin + place.z (x per_x + y per_y).
+// place.z is the depth that k is counted from: that of the object's centre, or 0 where the eye is near it.
+// NAME_PROXY is the primitive's own function; what is drawn, PROXY_ROUND, PROXY_RECTANGLE, PROXY_FLAT or PROXY_HULL.
+#include "frame.glsl"
+#include "objects.glsl"
+
+#ifdef SPHERES
+// Many spheres: four floats each and a colour, relative to an origin; CORNERS vertices each.
+layout(std430, binding = 3) readonly buffer Spheres { vec4 spheres[]; };
+layout(std430, binding = 4) readonly buffer SphereColors { uvec2 sphere_colors[]; };  // colour, number
+layout(location = 0) uniform dvec3 set_from_eye;  // in the view's axes
+#else
+layout(std430, binding = 3) readonly buffer Objects { ObjectInstance objects[]; };
+layout(location = 0) in uint in_index;
+layout(location = 1) in vec3 in_corner;
+#endif
+
+flat out uvec2 what;  // SPHERES: colour and number; else the index
+flat out vec4 origin;  // w: the shape's value there, in double where it is the eye
+flat out vec3 ahead;
+#ifndef SPHERES
+flat out vec3 per_x;
+flat out vec3 per_y;
+#endif
+flat out vec4 place;  // xy: pixels; z: m; SPHERES: w: 1 / radius
+#ifdef IN_PLANE
+out vec2 in_plane;  // the place in the plane of the shape or of its circle
+#endif
+
+#ifdef AT_EYE
+// The shape's value at an eye that is near it, which single precision would not tell from 0.
+double sphere_at_eye(dvec3 e, ObjectShape s) { return dot(e, e) - 1.0lf; }
+double cone_at_eye(dvec3 e, ObjectShape s) {
+  double radius = double(s.p0) + double(s.p1) * e.z;
+  return e.x * e.x + e.y * e.y - radius * radius;
+}
+double quadric_at_eye(dvec3 e, ObjectShape s) {
+  return e.x * (s.p0 * e.x + s.p3 * e.y + s.p4 * e.z + s.p6) + e.y * (s.p1 * e.y + s.p5 * e.z + s.p7) +
+         e.z * (s.p2 * e.z + s.p8) + s.p9;
+}
+#endif
+
+// The whole screen, for an object around the eye.
+vec4 whole_screen(vec2 corner, float depth) { return vec4(corner * 2.0, depth, 1.0); }
+
+void main() {
+#ifdef SPHERES
+  int index = gl_VertexID / CORNERS;
+  float turn = (float(gl_VertexID - index * CORNERS) + 0.5) * (6.28318530718 / float(CORNERS));
+  vec3 corner = vec3(cos(turn), sin(turn), 0.0) * (1.0 / cos(3.14159265359 / float(CORNERS)));
+  vec4 sphere = spheres[index];
+  dvec3 world = dvec3(sphere.xyz);
+  dvec3 center = set_from_eye + dvec3(dot(view_right.xyz, world), dot(view_up.xyz, world), dot(view_forward.xyz, world));
+  float radius = sphere.w;
+  what = sphere_colors[index];
+  ObjectShape shape;
+#else
+  ObjectInstance object = objects[in_index];
+  ObjectShape shape = object_shape(object);
+  dvec3 from_eye = object.center.xyz - dvec3(view_right.w, view_up.w, view_forward.w);
+  dvec3 center = dvec3(dot(view_right.xyz, from_eye), dot(view_up.xyz, from_eye), dot(view_forward.xyz, from_eye));
+  float radius = float(object.center.w);
+  vec3 corner = in_corner;
+  what = uvec2(in_index, 0u);
+#endif
+  float pixel = float(view_size.z);
+  float near = float(view_size.w);
+
+  // The eye in the object's frame.
+#ifdef SPHERES
+  vec3 eye = vec3(-center / double(radius));
+#else
+  dvec3 eye_exact = -dvec3(dot(object.inverse[0].xyz, from_eye), dot(object.inverse[1].xyz, from_eye),
+                           dot(object.inverse[2].xyz, from_eye));
+  vec3 eye = vec3(eye_exact);
+#endif
+  float eye2 = dot(eye, eye);
+
+  // Where the rays begin, and at which pixel they are counted from.
+  bool far = eye2 > 9.0 && center.z > double(radius);
+  dvec2 base = far ? center.xy / (center.z * view_size.z) : dvec2(0.0);
+  place = vec4(vec2(base + view_size.xy), far ? float(center.z) : 0.0, 1.0 / radius);
+  vec3 through = vec3(vec2(base * view_size.z), 1.0);
+#ifdef SPHERES
+  ahead = through / radius;
+  origin = far ? vec4(0.0) : vec4(eye, float(dot(center, center) / (double(radius) * double(radius)) - 1.0lf));
+#else
+  vec3 row0 = object_in_view(object.inverse[0].xyz);
+  vec3 row1 = object_in_view(object.inverse[1].xyz);
+  vec3 row2 = object_in_view(object.inverse[2].xyz);
+  ahead = vec3(dot(row0, through), dot(row1, through), dot(row2, through));
+  per_x = vec3(row0.x, row1.x, row2.x) * pixel;
+  per_y = vec3(row0.y, row1.y, row2.y) * pixel;
+  origin = far ? vec4(0.0) : vec4(eye, 0.0);
+#ifdef AT_EYE
+  if (!far) origin.w = float(AT_EYE(eye_exact, shape));
+#endif
+#endif
+
+  // The nearest that anything of it can be: what is written is never in front of this.
+  float depth = near / max(float(center.z) - 1.000001 * radius, near);
+  vec2 scale = 1.0 / eye_phase.zw;
+#ifdef PROXY_RECTANGLE
+  // The tangent lines of the projected conic: planes through the eye of normal (1, 0, -m) touch where
+  // (c.x - m c.z)^2 = |n.x - m n.z|^2, n the rows of the axes; likewise across y.
+#ifdef SPHERES
+  dvec3 squares = dvec3(double(radius) * double(radius));
+  dvec2 mixed = dvec2(0.0);
+#else
+  dvec3 a0 = object_in_view(dvec3(object.axes[0].xyz));
+  dvec3 a1 = object_in_view(dvec3(object.axes[1].xyz));
+  dvec3 a2 = object_in_view(dvec3(object.axes[2].xyz));
+  dvec3 squares = a0 * a0 + a1 * a1 + a2 * a2;
+  dvec2 mixed = a0.xy * a0.z + a1.xy * a1.z + a2.xy * a2.z;
+#endif
+  double a = center.z * center.z - squares.z;
+  dvec2 b = center.xy * center.z - mixed;
+  dvec2 disc = b * b - a * (center.xy * center.xy - squares.xy);
+  vec2 side = sign(corner.xy);
+  if (a <= 1e-6 * center.z * center.z || center.z <= 0.0 || disc.x <= 0.0 || disc.y <= 0.0) {
+    gl_Position = whole_screen(side, 1.0);
+  } else {
+    vec2 m = vec2((b + dvec2(side) * sqrt(disc)) / a);
+    gl_Position = vec4(m * scale, depth, 1.0);
+  }
+#else
+#ifdef PROXY_ROUND
+  if (eye2 < 1.03) {
+    gl_Position = whole_screen(corner.xy, 1.0);
+#ifdef IN_PLANE
+    in_plane = vec2(0.0);
+#endif
+    return;
+  }
+  vec3 q = sphere_circle(corner.x, corner.y, eye * inversesqrt(eye2), sqrt(eye2));
+#else
+  vec3 q = NAME_PROXY(corner, shape);
+#endif
+#ifdef IN_PLANE
+  in_plane = corner.xy;
+#endif
+#ifdef SPHERES
+  dvec3 at = center + dvec3(q * radius);
+#else
+  vec3 offset = object.axes[0].xyz * q.x + object.axes[1].xyz * q.y + object.axes[2].xyz * q.z;
+  dvec3 at = center + dvec3(object_in_view(dvec3(offset)));
+#endif
+  float w = float(at.z);
+#if defined(IN_PLANE) && defined(PROXY_FLAT)
+  gl_Position = vec4(float(at.x) * scale.x, float(at.y) * scale.y, near, w);
+#else
+  gl_Position = vec4(float(at.x) * scale.x, float(at.y) * scale.y, depth * w, w);
+#endif
+#endif
+}
