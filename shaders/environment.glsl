@@ -5,8 +5,8 @@ layout(std140, binding = 2) uniform EnvironmentLight {
   vec4 environment_harmonics[9];
   vec4 environment_cube;  // x: number of the last level
 };
-layout(binding = 4) uniform samplerCube environment_map;
-layout(binding = 5) uniform sampler2D environment_table;
+layout(binding = 6) uniform samplerCube environment_map;
+layout(binding = 7) uniform sampler2D environment_table;
 
 // What a white diffuse surface sends out.
 vec3 environment_diffuse(vec3 n) {

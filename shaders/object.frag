@@ -3,20 +3,17 @@
 #include "objects.glsl"
 #include "outputs.glsl"
 
-flat in uvec2 what;
+flat in uint index;
 flat in vec4 origin;
 flat in vec3 ahead;
-#ifndef SPHERES
 layout(std430, binding = 3) readonly buffer Objects { ObjectInstance objects[]; };
 flat in vec3 per_x;
 flat in vec3 per_y;
-#endif
-flat in vec4 place;
+flat in vec3 place;
 #ifdef IN_PLANE
 in vec2 in_plane;
 #endif
 layout(location = 1) uniform uint first_instance;  // of the channel
-layout(location = 2) uniform uint set_material;
 
 #if defined(IN_PLANE) && defined(PROXY_FLAT)
 // The rasterizer's own depth is the shape's.
@@ -35,11 +32,7 @@ struct ObjectRay {
 // Through a place of the picture, in pixels.
 ObjectRay ray_at(vec2 pixel, ObjectShape shape) {
   vec2 at = pixel - place.xy;
-#ifdef SPHERES
-  vec3 across = vec3(at * (right.w * place.w), 0.0);
-#else
   vec3 across = per_x * at.x + per_y * at.y;
-#endif
   ObjectRay r;
   r.o = origin.xyz + across * place.z;
   r.d = ahead + across;
@@ -50,7 +43,47 @@ ObjectRay ray_at(vec2 pixel, ObjectShape shape) {
   return r;
 }
 
+#ifndef CHANNELS
+struct ObjectSite {
+  vec3 p;    // in the shape's frame
+  int face;
+};
+
+vec3 in_shape(vec3 v) {
+  return vec3(dot(vec3(objects[index].inverse[0].xyz), v), dot(vec3(objects[index].inverse[1].xyz), v),
+              dot(vec3(objects[index].inverse[2].xyz), v));
+}
+
+vec3 object_normal(ObjectSite site, vec3 offset) {
+  vec3 slope = NAME_NORMAL(site.p + in_shape(offset), site.face, object_shape(objects[index]));
+  return normalize(vec3(objects[index].inverse[0].xyz) * slope.x + vec3(objects[index].inverse[1].xyz) * slope.y +
+                   vec3(objects[index].inverse[2].xyz) * slope.z);
+}
+
+vec2 object_uv(ObjectSite site, vec3 offset) {
+  return NAME_UV(site.p + in_shape(offset), site.face, object_shape(objects[index]));
+}
+
+// Of a solid every second hit leaves it.
+bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
+  next = site;
+  ObjectShape shape = object_shape(objects[index]);
+  if ((shape.flags & OBJECT_SOLID) == 0) return false;
+  vec3 d = in_shape(direction);
+  ObjectHits hits = NAME_HITS(site.p, d, 0.0, shape);
+  // Shapes are about 1 large.
+  float least = 1e-4 * inversesqrt(dot(d, d));
+  for (int i = 1; i < 4; i += 2) {
+    if (i >= hits.count || hits.k[i] < least) continue;
+    next.p = site.p + d * hits.k[i];
+    next.face = hits.face[i];
+    return true;
+  }
+  return false;
+}
+
 #include "object_light.glsl"
+#endif
 
 // Which samples of the pixel the object covers: the surface is shaded once, its outline is taken at each of them.
 #if SAMPLES > 1
@@ -58,13 +91,8 @@ layout(location = 3) uniform vec2 sample_places[SAMPLES];  // from the pixel's c
 #endif
 
 void main() {
-#ifdef SPHERES
-  ObjectShape shape;
-  shape.flags = OBJECT_SOLID;
-#else
-  ObjectInstance object = objects[what.x];
+  ObjectInstance object = objects[index];
   ObjectShape shape = object_shape(object);
-#endif
   vec2 pixel = gl_FragCoord.xy;
 #ifdef IN_TEXTURE_SPACE
 #if SAMPLES > 1
@@ -121,12 +149,8 @@ void main() {
   float depth = place.z + k;
 #endif
   vec3 slope = NAME_NORMAL(p, face, shape);
-#ifdef SPHERES
-  vec3 normal = right.xyz * slope.x + up.xyz * slope.y + forward.xyz * slope.z;
-#else
   vec3 normal = vec3(object.inverse[0].xyz) * slope.x + vec3(object.inverse[1].xyz) * slope.y +
                 vec3(object.inverse[2].xyz) * slope.z;
-#endif
   normal = normalize(normal);
   vec2 from_middle = (pixel - vec2(view_size.xy)) * right.w;
   vec3 direction = forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
@@ -135,25 +159,14 @@ void main() {
 #ifdef CHANNELS
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
   out_normal = vec4(normal, 0.0);
-#ifdef SPHERES
-  out_label = vec2(5.0, float(first_instance + what.y));
-#else
   out_label = vec2(5.0, float(first_instance + floatBitsToUint(object.axes[0].w)));
-#endif
 #else
   ObjectPoint point;
   point.position = direction * depth;
-  point.normal = dot(normal, direction) > 0.0 ? -normal : normal;
-  point.uv = NAME_UV(p, face, shape);
-#ifdef SPHERES
-  point.material = set_material;
-  vec3 color = unpackUnorm4x8(what.x).rgb;
-  point.tint = color * color;
-#else
+  point.normal = normal;
   point.material = floatBitsToUint(object.axes[1].w);
   point.tint = vec3(1.0);
-#endif
-  out_color = vec4(frame_tone(object_light(point)), 1.0);
+  out_color = vec4(frame_tone(object_light(point, ObjectSite(p, face))), 1.0);
 #endif
 #ifndef IN_TEXTURE_SPACE
   gl_FragDepth = min(forward.w / max(depth, forward.w), gl_FragCoord.z);

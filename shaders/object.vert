@@ -5,25 +5,16 @@
 #include "frame.glsl"
 #include "objects.glsl"
 
-#ifdef SPHERES
-// Many spheres: four floats each and a colour, relative to an origin; CORNERS vertices each.
-layout(std430, binding = 3) readonly buffer Spheres { vec4 spheres[]; };
-layout(std430, binding = 4) readonly buffer SphereColors { uvec2 sphere_colors[]; };  // colour, number
-layout(location = 0) uniform dvec3 set_from_eye;  // in the view's axes
-#else
 layout(std430, binding = 3) readonly buffer Objects { ObjectInstance objects[]; };
 layout(location = 0) in uint in_index;
 layout(location = 1) in vec3 in_corner;
-#endif
 
-flat out uvec2 what;  // SPHERES: colour and number; else the index
+flat out uint index;
 flat out vec4 origin;  // w: the shape's value there, in double where it is the eye
 flat out vec3 ahead;
-#ifndef SPHERES
 flat out vec3 per_x;
 flat out vec3 per_y;
-#endif
-flat out vec4 place;  // xy: pixels; z: m; SPHERES: w: 1 / radius
+flat out vec3 place;  // xy: pixels; z: m
 #ifdef IN_PLANE
 out vec2 in_plane;  // the place in the plane of the shape or of its circle
 #endif
@@ -45,47 +36,27 @@ double quadric_at_eye(dvec3 e, ObjectShape s) {
 vec4 whole_screen(vec2 corner, float depth) { return vec4(corner * 2.0, depth, 1.0); }
 
 void main() {
-#ifdef SPHERES
-  int index = gl_VertexID / CORNERS;
-  float turn = (float(gl_VertexID - index * CORNERS) + 0.5) * (6.28318530718 / float(CORNERS));
-  vec3 corner = vec3(cos(turn), sin(turn), 0.0) * (1.0 / cos(3.14159265359 / float(CORNERS)));
-  vec4 sphere = spheres[index];
-  dvec3 world = dvec3(sphere.xyz);
-  dvec3 center = set_from_eye + dvec3(dot(view_right.xyz, world), dot(view_up.xyz, world), dot(view_forward.xyz, world));
-  float radius = sphere.w;
-  what = sphere_colors[index];
-  ObjectShape shape;
-#else
   ObjectInstance object = objects[in_index];
   ObjectShape shape = object_shape(object);
   dvec3 from_eye = object.center.xyz - dvec3(view_right.w, view_up.w, view_forward.w);
   dvec3 center = dvec3(dot(view_right.xyz, from_eye), dot(view_up.xyz, from_eye), dot(view_forward.xyz, from_eye));
   float radius = float(object.center.w);
   vec3 corner = in_corner;
-  what = uvec2(in_index, 0u);
-#endif
+  index = in_index;
   float pixel = float(view_size.z);
   float near = float(view_size.w);
 
   // The eye in the object's frame.
-#ifdef SPHERES
-  vec3 eye = vec3(-center / double(radius));
-#else
   dvec3 eye_exact = -dvec3(dot(object.inverse[0].xyz, from_eye), dot(object.inverse[1].xyz, from_eye),
                            dot(object.inverse[2].xyz, from_eye));
   vec3 eye = vec3(eye_exact);
-#endif
   float eye2 = dot(eye, eye);
 
   // Where the rays begin, and at which pixel they are counted from.
   bool far = eye2 > 9.0 && center.z > double(radius);
   dvec2 base = far ? center.xy / (center.z * view_size.z) : dvec2(0.0);
-  place = vec4(vec2(base + view_size.xy), far ? float(center.z) : 0.0, 1.0 / radius);
+  place = vec3(vec2(base + view_size.xy), far ? float(center.z) : 0.0);
   vec3 through = vec3(vec2(base * view_size.z), 1.0);
-#ifdef SPHERES
-  ahead = through / radius;
-  origin = far ? vec4(0.0) : vec4(eye, float(dot(center, center) / (double(radius) * double(radius)) - 1.0lf));
-#else
   vec3 row0 = object_in_view(object.inverse[0].xyz);
   vec3 row1 = object_in_view(object.inverse[1].xyz);
   vec3 row2 = object_in_view(object.inverse[2].xyz);
@@ -96,7 +67,6 @@ void main() {
 #ifdef AT_EYE
   if (!far) origin.w = float(AT_EYE(eye_exact, shape));
 #endif
-#endif
 
   // The nearest that anything of it can be: what is written is never in front of this.
   float depth = near / max(float(center.z) - 1.000001 * radius, near);
@@ -104,16 +74,11 @@ void main() {
 #ifdef PROXY_RECTANGLE
   // The tangent lines of the projected conic: planes through the eye of normal (1, 0, -m) touch where
   // (c.x - m c.z)^2 = |n.x - m n.z|^2, n the rows of the axes; likewise across y.
-#ifdef SPHERES
-  dvec3 squares = dvec3(double(radius) * double(radius));
-  dvec2 mixed = dvec2(0.0);
-#else
   dvec3 a0 = object_in_view(dvec3(object.axes[0].xyz));
   dvec3 a1 = object_in_view(dvec3(object.axes[1].xyz));
   dvec3 a2 = object_in_view(dvec3(object.axes[2].xyz));
   dvec3 squares = a0 * a0 + a1 * a1 + a2 * a2;
   dvec2 mixed = a0.xy * a0.z + a1.xy * a1.z + a2.xy * a2.z;
-#endif
   double a = center.z * center.z - squares.z;
   dvec2 b = center.xy * center.z - mixed;
   dvec2 disc = b * b - a * (center.xy * center.xy - squares.xy);
@@ -140,12 +105,8 @@ void main() {
 #ifdef IN_PLANE
   in_plane = corner.xy;
 #endif
-#ifdef SPHERES
-  dvec3 at = center + dvec3(q * radius);
-#else
   vec3 offset = object.axes[0].xyz * q.x + object.axes[1].xyz * q.y + object.axes[2].xyz * q.z;
   dvec3 at = center + dvec3(object_in_view(dvec3(offset)));
-#endif
   float w = float(at.z);
 #if defined(IN_PLANE) && defined(PROXY_FLAT)
   gl_Position = vec4(float(at.x) * scale.x, float(at.y) * scale.y, near, w);

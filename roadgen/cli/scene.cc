@@ -9,6 +9,7 @@
 #include "roadgen/cli/command.h"
 #include "roadgen/import/scene_file.h"
 #include "roadgen/query/road_index.h"
+#include "roadgen/render/panorama.h"
 #include "roadgen/render/placement.h"
 #include "terrain/terrain.h"
 
@@ -21,6 +22,8 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
   app.add_option("--dem-encoding", options.dem_encoding, "What its pixels are: heights, terrain-rgb or terrarium")
       ->capture_default_str();
   app.add_option("--scene", options.props_path, "Scene file of objects, props.json: see README. Default: none");
+  app.add_option("--environment", options.environment_path,
+                 "Panorama, .exr or .hdr, that objects mirror and that is the sky. Default: the procedural sky");
   app.add_option("--context", options.context, "osmesa, egl or window. Default: osmesa");
   app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
 }
@@ -52,6 +55,12 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
     if (!read) return read.error();
     props.emplace(std::move(*read));
   }
+  std::optional<ImageF> panorama;
+  if (!options.environment_path.empty()) {
+    auto read = read_panorama(options.environment_path);
+    if (!read) return read.error();
+    panorama.emplace(std::move(*read));
+  }
   auto context = Context::create({.kind = *kind,
                                   .egl_device = options.egl_device,
                                   .width = options.width,
@@ -82,6 +91,9 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
   if (props) {
     if (Status s = scene.renderer->load_objects(*props); !s) return s.error();
+  }
+  if (panorama) {
+    if (Status s = scene.renderer->load_environment(*panorama); !s) return s.error();
   }
   const TerrainReport& report = terrain->report();
   std::fprintf(stderr, "terrain: %zu triangles, clearance under the roads %.3f to %.3f m, %zu voids filled, %.1f s\n",

@@ -175,8 +175,8 @@ Result<Environment> Environment::of_panorama(const ImageF& panorama) {
 
 void Environment::bind() const {
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
-  glBindTextureUnit(4, cube_.id());
-  glBindTextureUnit(5, table_.id());
+  glBindTextureUnit(6, cube_.id());
+  glBindTextureUnit(7, table_.id());
   glBindBufferBase(GL_UNIFORM_BUFFER, 2, light_.id());
 }
 

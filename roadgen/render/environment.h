@@ -39,7 +39,7 @@ class Environment {
   Environment() = default;
   explicit operator bool() const { return static_cast<bool>(cube_); }
 
-  // Binds the cube (unit 4), the table of split_sum (5) and the uniform block EnvironmentLight (2).
+  // Binds the cube (unit 6), the table of split_sum (7) and the uniform block EnvironmentLight (2).
   void bind() const;
 
   GLuint cube() const { return cube_.id(); }

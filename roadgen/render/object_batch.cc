@@ -15,6 +15,7 @@
 #include <glm/vec4.hpp>
 
 #include "roadgen/render/object_proxy.h"
+#include "roadgen/render/object_textures.h"
 
 namespace roadgen {
 namespace {
@@ -33,8 +34,6 @@ static_assert(sizeof(ObjectInstance) == 224);
 struct MaterialInstance {
   glm::vec4 base, surface, specular, more;
 };
-
-constexpr std::uint32_t kGroup = 256;  // objects, or spheres
 
 float bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 
@@ -55,57 +54,16 @@ ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t numbe
   return i;
 }
 
-MaterialInstance instance(const ObjectMaterial& m) {
+constexpr GLuint kTextureUnit = 8;  // as shaders/object_light.glsl says
+
+// layer: 1 + that of its texture, 0: none.
+MaterialInstance instance(const ObjectMaterial& m, int layer) {
   MaterialInstance i;
   i.base = glm::vec4(m.base_color, m.model == ObjectMaterial::Model::kPhong ? 1.0f : 0.0f);
   i.surface = glm::vec4(m.metallic, m.roughness, m.reflection, m.transmission);
   i.specular = glm::vec4(m.specular, m.shininess);
-  i.more = glm::vec4(m.ior, 0, 0, 0);
+  i.more = glm::vec4(m.ior, static_cast<float>(layer), 0, 0);
   return i;
-}
-
-// Every third bit of 21.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
-// An order in which neighbours in the list are neighbours in space (Morton's).
-std::vector<std::uint32_t> space_order(std::span<const glm::dvec3> centers) {
-  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
-  for (const glm::dvec3& c : centers) low = glm::min(low, c), high = glm::max(high, c);
-  const glm::dvec3 size = glm::max(high - low, glm::dvec3(1e-30));
-  const double scale = 2097151 / std::max({size.x, size.y, size.z});
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(centers.size());
-  for (std::uint32_t i = 0; i < centers.size(); ++i) {
-    const glm::dvec3 at = (centers[i] - low) * scale;
-    keys[i] = {spread(static_cast<std::uint64_t>(at.x)) | spread(static_cast<std::uint64_t>(at.y)) << 1 |
-                   spread(static_cast<std::uint64_t>(at.z)) << 2,
-               i};
-  }
-  std::sort(keys.begin(), keys.end());
-  std::vector<std::uint32_t> order(centers.size());
-  std::transform(keys.begin(), keys.end(), order.begin(), [](const auto& k) { return k.second; });
-  return order;
-}
-
-// A ball around balls.
-std::pair<glm::dvec3, double> around(std::span<const glm::dvec3> centers, std::span<const double> radii) {
-  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
-  for (std::size_t i = 0; i < centers.size(); ++i) {
-    low = glm::min(low, centers[i] - radii[i]);
-    high = glm::max(high, centers[i] + radii[i]);
-  }
-  const glm::dvec3 middle = 0.5 * (low + high);
-  double radius = 0;
-  for (std::size_t i = 0; i < centers.size(); ++i) {
-    radius = std::max(radius, glm::length(centers[i] - middle) + radii[i]);
-  }
-  return {middle, radius};
 }
 
 // Of a ball around the primitive's centre. Exact for a sphere and for an ellipsoid whose axes are perpendicular: the
@@ -149,25 +107,19 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
     if (of_kind.empty()) continue;
     if (Status s = add_kind(row.kind, scene, of_kind); !s) return s;
   }
-  std::uint32_t first = static_cast<std::uint32_t>(scene.objects.size());
-  for (const SphereSet& set : scene.sphere_sets) {
-    if (!set.items.empty()) {
-      if (Status s = add_set(set, first); !s) return s;
-    }
-    first += static_cast<std::uint32_t>(set.items.size());
-  }
+  if (Status s = spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options); !s) return s;
+  statistics_.spheres = spheres_.spheres();
   if (empty()) return Done{};
   view_uniforms_ = gl::Buffer::with_data(sizeof(ViewUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
   std::vector<MaterialInstance> materials;
-  for (const ObjectMaterial& material : scene.materials) materials.push_back(instance(material));
-  if (materials.empty()) materials.push_back(instance(ObjectMaterial{}));
-  materials_ = buffer_of(materials);
-  if (!sets_.empty()) {
-    const int corners = options_.rectangle ? 4 : options_.polygon;
-    sphere_elements_ = buffer_of(polygon_elements(corners, kGroup));
-    sphere_array_ = gl::VertexArray::create();
-    glVertexArrayElementBuffer(sphere_array_.id(), sphere_elements_.id());
+  auto textures = load_textures(scene.materials);
+  if (!textures) return textures.error();
+  textures_ = std::move(textures->layers);
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    materials.push_back(instance(scene.materials[i], textures->layer_of[i]));
   }
+  if (materials.empty()) materials.push_back(instance(ObjectMaterial{}, 0));
+  materials_ = buffer_of(materials);
   return Done{};
 }
 
@@ -190,12 +142,7 @@ Status ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::
   Kind made;
   made.kind = kind;
   made.count = instances.size();
-  for (std::uint32_t first = 0; first < instances.size(); first += kGroup) {
-    const std::size_t count = std::min<std::size_t>(kGroup, instances.size() - first);
-    const auto [center, radius] =
-        around(std::span(sorted).subspan(first, count), std::span(radii).subspan(first, count));
-    made.groups.push_back({center, radius, first, static_cast<std::uint32_t>(count)});
-  }
+  made.groups = groups_of(sorted, radii);
   made.instances = buffer_of(instances);
   made.order = gl::Buffer::with_data(static_cast<GLsizeiptr>(instances.size() * sizeof(std::uint32_t)), nullptr,
                                      GL_DYNAMIC_STORAGE_BIT);
@@ -220,44 +167,9 @@ Status ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::
   return Done{};
 }
 
-Status ObjectBatch::add_set(const SphereSet& set, std::uint32_t first_instance) {
-  if (Status s = check_fits(set.items.size() * sizeof(glm::vec4)); !s) return s;
-  std::vector<glm::dvec3> centers;
-  for (const SphereSet::Item& item : set.items) centers.emplace_back(item.center);
-  const std::vector<std::uint32_t> order = space_order(centers);
-  std::vector<glm::vec4> spheres;
-  std::vector<glm::uvec2> colors;
-  std::vector<glm::dvec3> sorted;
-  std::vector<double> radii;
-  for (const std::uint32_t i : order) {
-    const SphereSet::Item& item = set.items[i];
-    spheres.emplace_back(item.center, item.radius);
-    colors.emplace_back(std::bit_cast<std::uint32_t>(item.color), i);
-    sorted.push_back(centers[i]);
-    radii.push_back(item.radius);
-  }
-  Set made;
-  for (std::uint32_t first = 0; first < spheres.size(); first += kGroup) {
-    const std::size_t count = std::min<std::size_t>(kGroup, spheres.size() - first);
-    const auto [center, radius] =
-        around(std::span(sorted).subspan(first, count), std::span(radii).subspan(first, count));
-    made.groups.push_back({set.origin_m + center, radius, first, static_cast<std::uint32_t>(count)});
-  }
-  made.spheres = buffer_of(spheres);
-  made.colors = buffer_of(colors);
-  made.origin_m = set.origin_m;
-  made.first_instance = first_instance;
-  made.material = set.material;
-  made.count = spheres.size();
-  statistics_.spheres += made.count;
-  sets_.push_back(std::move(made));
-  return Done{};
-}
-
-Result<const Program*> ObjectBatch::program(const PrimitiveRow& row, bool spheres, const ObjectView& view) {
+Result<const Program*> ObjectBatch::program(const PrimitiveRow& row, const ObjectView& view) {
   const std::string name = row.name;
-  const std::string key =
-      name + (spheres ? " set " : " ") + (view.channels ? "channels" : std::to_string(view.samples));
+  const std::string key = name + " " + (view.channels ? "channels" : std::to_string(view.samples));
   if (const auto found = programs_.find(key); found != programs_.end()) return &found->second;
   ShaderDefines defines = {{"NAME_HITS", name + "_hits"},   {"NAME_NORMAL", name + "_normal"},
                            {"NAME_UV", name + "_uv"},       {"NAME_VALUE", name + "_value"},
@@ -270,32 +182,14 @@ Result<const Program*> ObjectBatch::program(const PrimitiveRow& row, bool sphere
        ""});
   if (options_.texture_space && (row.flat || (round && !options_.rectangle))) defines.push_back({"IN_PLANE", ""});
   if (view.channels) defines.push_back({"CHANNELS", ""});
-  if (spheres) {
-    defines.push_back({"SPHERES", ""});
-    defines.push_back({"CORNERS", std::to_string(options_.rectangle ? 4 : options_.polygon)});
-  }
   auto made = Program::graphics("object.vert", "object.frag", defines);
   if (!made) return made.error();
   return &programs_.emplace(key, std::move(*made)).first->second;
 }
 
-std::vector<const ObjectBatch::Group*> ObjectBatch::visible(std::span<const Group> groups,
-                                                            const ObjectView& view) const {
-  const Frustum frustum(view.camera, static_cast<double>(view.width) / view.height);
-  std::vector<std::pair<double, const Group*>> seen;
-  for (const Group& group : groups) {
-    const glm::dvec3 from_eye = group.center_m - view.camera.position_m;
-    if (frustum.may_see(from_eye, group.radius_m)) seen.emplace_back(glm::length(from_eye) - group.radius_m, &group);
-  }
-  std::sort(seen.begin(), seen.end());
-  std::vector<const Group*> sorted(seen.size());
-  std::transform(seen.begin(), seen.end(), sorted.begin(), [](const auto& s) { return s.second; });
-  return sorted;
-}
-
 void ObjectBatch::draw_kind(const Kind& kind, const ObjectView& view, const Program& program) {
   std::vector<std::uint32_t> order;
-  for (const Group* group : visible(kind.groups, view)) {
+  for (const ObjectGroup* group : visible_groups(kind.groups, view)) {
     for (std::uint32_t i = 0; i < group->count; ++i) order.push_back(group->first + i);
   }
   if (order.empty()) return;
@@ -316,32 +210,8 @@ void ObjectBatch::draw_kind(const Kind& kind, const ObjectView& view, const Prog
   if (hull) glDisable(GL_CULL_FACE);
 }
 
-void ObjectBatch::draw_set(const Set& set, const ObjectView& view, const Program& program) {
-  const int corners = options_.rectangle ? 4 : options_.polygon;
-  std::vector<GLsizei> counts;
-  std::vector<GLint> firsts;
-  for (const Group* group : visible(set.groups, view)) {
-    counts.push_back(static_cast<GLsizei>(group->count) * 3 * (corners - 2));
-    firsts.push_back(static_cast<GLint>(group->first) * corners);
-    statistics_.drawn_spheres += group->count;
-  }
-  if (counts.empty()) return;
-  const ViewAxes axes = view_axes(view.camera);
-  const glm::dvec3 origin = set.origin_m - view.camera.position_m;
-  program.use();
-  glUniform3d(0, glm::dot(axes.right, origin), glm::dot(axes.up, origin), glm::dot(axes.forward, origin));
-  glUniform1ui(1, view.first_instance + set.first_instance);
-  if (!view.channels) glUniform1ui(2, set.material);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, set.spheres.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, set.colors.id());
-  glBindVertexArray(sphere_array_.id());
-  const std::vector<const void*> offsets(counts.size(), nullptr);
-  glMultiDrawElementsBaseVertex(GL_TRIANGLES, counts.data(), GL_UNSIGNED_SHORT, offsets.data(),
-                                static_cast<GLsizei>(counts.size()), firsts.data());
-}
-
 Status ObjectBatch::draw(const ObjectView& view) {
-  statistics_.drawn_objects = statistics_.drawn_spheres = 0;
+  statistics_.drawn_objects = 0;
   if (empty()) return Done{};
   const ViewAxes axes = view_axes(view.camera);
   const glm::dvec3 eye = view.camera.position_m;
@@ -352,30 +222,22 @@ Status ObjectBatch::draw(const ObjectView& view) {
   glNamedBufferSubData(view_uniforms_.id(), 0, sizeof uniforms, &uniforms);
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, view_uniforms_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, materials_.id());
+  if (textures_) glBindTextureUnit(kTextureUnit, textures_.id());
   std::vector<glm::vec2> samples(static_cast<std::size_t>(view.samples));
   for (GLuint i = 0; view.samples > 1 && i < samples.size(); ++i) {
     glGetMultisamplefv(GL_SAMPLE_POSITION, i, &samples[i].x);
     samples[i] -= glm::vec2(0.5f);
   }
-  const auto prepare = [&](const PrimitiveRow& row, bool spheres) {
-    auto made = program(row, spheres, view);
-    if (made && view.samples > 1) {
-      glProgramUniform2fv((*made)->id(), 3, view.samples, &samples[0].x);
-    }
-    return made;
-  };
   for (const Kind& kind : kinds_) {
-    const auto with = prepare(primitive_row(kind.kind), false);
+    const auto with = program(primitive_row(kind.kind), view);
     if (!with) return with.error();
+    if (view.samples > 1) glProgramUniform2fv((*with)->id(), 3, view.samples, &samples[0].x);
     draw_kind(kind, view, **with);
   }
-  for (const Set& set : sets_) {
-    const auto with = prepare(primitive_row(PrimitiveKind::kSphere), true);
-    if (!with) return with.error();
-    draw_set(set, view, **with);
-  }
+  const Status status = spheres_.draw(view, samples);
+  statistics_.drawn_spheres = spheres_.drawn();
   glBindVertexArray(0);
-  return Done{};
+  return status;
 }
 
 }  // namespace roadgen

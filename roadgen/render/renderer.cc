@@ -12,6 +12,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "roadgen/render/environment.h"
 #include "roadgen/render/frustum.h"
 #include "roadgen/render/gl.h"
 #include "roadgen/render/ground_batch.h"
@@ -124,6 +125,10 @@ struct Renderer::State {
   ObjectBatch objects;
   std::uint32_t first_object = 1;  // of the instance channel
   Lighting lighting;
+  Environment environment;
+  bool has_panorama = false;     // else the environment is the sky's, or none yet
+  glm::vec3 environment_sun{0};  // under which it is that
+  Program panorama_sky;
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
@@ -131,6 +136,7 @@ struct Renderer::State {
                     double least_contribution);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   void show_ground_to_roads();
+  Status light_objects();
   Status draw_channels(const Camera& camera, int width, int height);
 };
 
@@ -159,6 +165,9 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
 Status Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
                                    double least_contribution) {
   upload_frame(camera, width, height);
+  if (&programs == &picture) {
+    if (Status s = light_objects(); !s) return s;
+  }
   glViewport(0, 0, width, height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glEnable(GL_DEPTH_TEST);
@@ -175,11 +184,14 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   // Objects hide what is behind them, sample by sample; what is drawn after them fades over them.
   const bool blended = glIsEnabled(GL_BLEND);
   glDisable(GL_BLEND);
-  if (Status s = objects.draw({camera, width, height, samples, &programs == &data, first_object}); !s) return s;
+  const RenderTarget& target = &programs == &data ? channels : drawn;
+  const ObjectView view = {
+      camera, width, height, samples, &programs == &data, first_object, target.framebuffer(), target.depth()};
+  if (Status s = objects.draw(view); !s) return s;
   if (blended) glEnable(GL_BLEND);
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
-  programs.sky.use();
+  (has_panorama && &programs == &picture ? panorama_sky : programs.sky).use();
   glBindVertexArray(empty.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDepthMask(GL_TRUE);
@@ -198,6 +210,20 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   sweeps.draw(programs.sweep, camera.position_m, may_see);
   glBindVertexArray(0);
   glUseProgram(0);
+  return Done{};
+}
+
+// Only scenes with objects pay for an environment.
+Status Renderer::State::light_objects() {
+  if (objects.empty() && !has_panorama) return Done{};
+  const glm::vec3 toward_sun = direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg);
+  if (!environment || (!has_panorama && environment_sun != toward_sun)) {
+    auto made = Environment::of_sky(toward_sun);
+    if (!made) return made.error();
+    environment = std::move(*made);
+    environment_sun = toward_sun;
+  }
+  environment.bind();
   return Done{};
 }
 
@@ -328,6 +354,21 @@ Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& opt
   }
   if (Status s = state_->context.make_current(); !s) return s;
   return state_->objects.upload(scene, options);
+}
+
+Status Renderer::load_environment(const ImageF& panorama) {
+  if (panorama.channels != 3 || panorama.width < 1 || panorama.height < 1) {
+    return Error{ErrorCode::kData, "a panorama must have pixels of three channels"};
+  }
+  if (Status s = state_->context.make_current(); !s) return s;
+  auto made = Environment::of_panorama(panorama);
+  if (!made) return made.error();
+  auto sky = Program::graphics("sky.vert", "sky.frag", {{"PANORAMA", ""}});
+  if (!sky) return sky.error();
+  state_->environment = std::move(*made);
+  state_->panorama_sky = std::move(*sky);
+  state_->has_panorama = true;
+  return Done{};
 }
 
 ObjectStatistics Renderer::object_statistics() const { return state_->objects.statistics(); }

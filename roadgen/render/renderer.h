@@ -90,6 +90,9 @@ struct ObjectOptions {
   // Acceptance where the rasterizer interpolates the plane of a flat shape, or the circle of a sphere (the paper's texture
   // space), in place of the ray's own place in 3D.
   bool texture_space = false;
+  // Spheres of sets that nothing is seen of are found on the CPU and not drawn; about 50 ns a sphere, which a GPU may
+  // spend better itself.
+  bool occlusion = true;
 };
 
 struct ObjectStatistics {
@@ -123,6 +126,10 @@ class Renderer {
   // its range; kShader.
   Status load_objects(const ObjectScene& scene, const ObjectOptions& options = {});
   ObjectStatistics object_statistics() const;
+  // What objects mirror, are lit by beside the sun, and let through; and the picture's sky: an image as read_panorama gives
+  // it (roadgen/render/panorama.h), or by default the procedural sky. Roads and ground keep the light of that.
+  // Errors: kData: not three channels, or no pixels; kShader.
+  Status load_environment(const ImageF& panorama);
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 124;
   RoadStatistics road_statistics() const;

@@ -1,0 +1,198 @@
+#include "roadgen/render/sphere_batch.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
+
+#include "roadgen/render/object_proxy.h"
+
+namespace roadgen {
+namespace {
+
+// Where shaders/spheres_light.frag finds the indices.
+constexpr GLuint kIndexUnit = 4;
+
+template <class T>
+gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
+  return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), flags);
+}
+
+}  // namespace
+
+Status SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options) {
+  *this = {};
+  options_ = options;
+  for (const SphereSet& set : scene.sphere_sets) {
+    if (!set.items.empty()) {
+      if (Status s = add(set, first_instance); !s) return s;
+    }
+    first_instance += static_cast<std::uint32_t>(set.items.size());
+  }
+  if (sets_.empty()) return Done{};
+  elements_ = buffer_of(polygon_elements(corners(), kGroupObjects));
+  array_ = gl::VertexArray::create();
+  glVertexArrayElementBuffer(array_.id(), elements_.id());
+  return Done{};
+}
+
+Status SphereBatch::add(const SphereSet& set, std::uint32_t first_instance) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  if (set.items.size() * sizeof(glm::vec4) > static_cast<std::size_t>(most)) {
+    return Error{ErrorCode::kData,
+                 "its " + std::to_string(set.items.size()) + " spheres are more than this OpenGL " +
+                     "driver's buffers of " + std::to_string(most >> 20) + " MiB hold; split it into several sets",
+                 {},
+                 0,
+                 "sphere set " + set.name};
+  }
+  std::vector<glm::dvec3> centers;
+  for (const SphereSet::Item& item : set.items) centers.emplace_back(item.center);
+  const std::vector<std::uint32_t> order = space_order(centers);
+  Set made;
+  std::vector<glm::uvec2> colors;
+  std::vector<glm::dvec3> sorted;
+  std::vector<double> radii;
+  for (const std::uint32_t i : order) {
+    const SphereSet::Item& item = set.items[i];
+    made.data.emplace_back(item.center, item.radius);
+    colors.emplace_back(std::bit_cast<std::uint32_t>(item.color), i);
+    sorted.push_back(set.origin_m + centers[i]);
+    radii.push_back(item.radius);
+  }
+  made.groups = groups_of(sorted, radii);
+  made.spheres = buffer_of(made.data);
+  made.colors = buffer_of(colors);
+  made.order =
+      gl::Buffer::with_data(static_cast<GLsizeiptr>(order.size() * sizeof order[0]), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  made.origin_m = set.origin_m;
+  made.first_instance = first_instance;
+  made.material = set.material;
+  spheres_ += made.data.size();
+  sets_.push_back(std::move(made));
+  return Done{};
+}
+
+Result<SphereBatch::Programs*> SphereBatch::programs(const ObjectView& view) {
+  for (Programs& made : programs_) {
+    if (made.channels == view.channels && made.samples == view.samples) return &made;
+  }
+  ShaderDefines defines = {{"SAMPLES", std::to_string(view.samples)}, {"CORNERS", std::to_string(corners())}};
+  if (options_.rectangle) defines.push_back({"PROXY_RECTANGLE", ""});
+  if (options_.texture_space && !options_.rectangle) defines.push_back({"IN_PLANE", ""});
+  auto index = Program::graphics("spheres.vert", "spheres.frag", defines);
+  if (!index) return index.error();
+  if (!options_.rectangle) {
+    const std::vector<glm::vec3> around = proxy_mesh(Proxy::kRound, corners()).corners;
+    for (GLint i = 0; i < corners(); ++i) glProgramUniform2f(index->id(), 3 + i, around[i].x, around[i].y);
+  }
+  if (view.channels) defines.push_back({"CHANNELS", ""});
+  auto light = Program::graphics("sky.vert", "spheres_light.frag", defines);
+  if (!light) return light.error();
+  programs_.push_back({view.channels, view.samples, std::move(*index), std::move(*light)});
+  return &programs_.back();
+}
+
+Status SphereBatch::ensure_target(const ObjectView& view) {
+  if (target_ && width_ == view.width && height_ == view.height && samples_ == view.samples && depth_ == view.depth) {
+    return Done{};
+  }
+  width_ = view.width, height_ = view.height, samples_ = view.samples, depth_ = view.depth;
+  indices_ = gl::Texture::image_2d(GL_R32UI, width_, height_, 1, samples_);
+  target_ = gl::Framebuffer::create();
+  glNamedFramebufferTexture(target_.id(), GL_COLOR_ATTACHMENT0, indices_.id(), 0);
+  glNamedFramebufferTexture(target_.id(), GL_DEPTH_ATTACHMENT, depth_, 0);
+  if (glCheckNamedFramebufferStatus(target_.id(), GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) return Done{};
+  target_ = {};
+  return Error{ErrorCode::kContext, "this driver cannot draw the indices of spheres with that many samples"};
+}
+
+std::vector<std::uint32_t> SphereBatch::choose(const Set& set, const ObjectView& view) {
+  std::vector<std::uint32_t> seen;
+  const ViewAxes axes = view_axes(view.camera);
+  const glm::dmat3 in_view = glm::transpose(glm::dmat3(axes.right, axes.up, axes.forward));
+  const glm::dvec3 eye = view.camera.position_m;
+  for (const ObjectGroup* group : visible_groups(set.groups, view)) {
+    if (!options_.occlusion) {
+      for (std::uint32_t i = 0; i < group->count; ++i) seen.push_back(group->first + i);
+      continue;
+    }
+    const glm::vec3 center = in_view * (group->center_m - eye);
+    if (!occlusion_.may_see(center, static_cast<float>(group->radius_m))) continue;
+    occlusion_.add(set.data.data(), group->first, group->count, glm::mat3(in_view),
+                   glm::vec3(in_view * (set.origin_m - eye)), seen);
+  }
+  return seen;
+}
+
+void SphereBatch::draw_set(const Set& set, const ObjectView& view, const Programs& with) {
+  const std::vector<std::uint32_t> seen = choose(set, view);
+  if (seen.empty()) return;
+  drawn_ += seen.size();
+  glNamedBufferSubData(set.order.id(), 0, static_cast<GLsizeiptr>(seen.size() * sizeof seen[0]), seen.data());
+  const ViewAxes axes = view_axes(view.camera);
+  const glm::dvec3 origin = set.origin_m - view.camera.position_m;
+  for (const Program* program : {&with.index, &with.light}) {
+    glProgramUniform3d(program->id(), 0, glm::dot(axes.right, origin), glm::dot(axes.up, origin),
+                       glm::dot(axes.forward, origin));
+  }
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, set.spheres.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, set.colors.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, set.order.id());
+  glBindVertexArray(array_.id());
+
+  // The indices. The elements of one group's polygons serve all: each draw begins where the one before ended.
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
+  const GLuint none[4] = {0, 0, 0, 0};
+  glClearBufferuiv(GL_COLOR, 0, none);
+  with.index.use();
+  std::vector<GLsizei> counts;
+  std::vector<GLint> firsts;
+  for (std::size_t first = 0; first < seen.size(); first += kGroupObjects) {
+    const std::size_t count = std::min<std::size_t>(kGroupObjects, seen.size() - first);
+    counts.push_back(static_cast<GLsizei>(count) * 3 * (corners() - 2));
+    firsts.push_back(static_cast<GLint>(first) * corners());
+  }
+  const std::vector<const void*> offsets(counts.size(), nullptr);
+  glMultiDrawElementsBaseVertex(GL_TRIANGLES, counts.data(), GL_UNSIGNED_SHORT, offsets.data(),
+                                static_cast<GLsizei>(counts.size()), firsts.data());
+
+  // The light. Depth is written by now.
+  glBindFramebuffer(GL_FRAMEBUFFER, view.framebuffer);
+  glDisable(GL_DEPTH_TEST);
+  with.light.use();
+  if (view.channels) {
+    glUniform1ui(9, view.first_instance + set.first_instance);
+  } else {
+    glUniform1ui(10, set.material);
+  }
+  glBindTextureUnit(kIndexUnit, indices_.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_DEPTH_TEST);
+}
+
+Status SphereBatch::draw(const ObjectView& view, std::span<const glm::vec2> sample_places) {
+  drawn_ = 0;
+  if (sets_.empty()) return Done{};
+  const auto with = programs(view);
+  if (!with) return with.error();
+  if (Status s = ensure_target(view); !s) return s;
+  if (view.samples > 1) {
+    for (const Program* program : {&(*with)->index, &(*with)->light}) {
+      glProgramUniform2fv(program->id(), 1, view.samples, &sample_places[0].x);
+    }
+  }
+  if (options_.occlusion) occlusion_.begin(view.camera, view.width, view.height);
+  for (const Set& set : sets_) draw_set(set, view, **with);
+  return Done{};
+}
+
+}  // namespace roadgen

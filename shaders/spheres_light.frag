@@ -1,0 +1,113 @@
+// The picture, or the data, of the spheres that spheres.frag found, once a pixel.
+#include "frame.glsl"
+#include "spheres.glsl"
+#include "outputs.glsl"
+
+#if SAMPLES > 1
+layout(binding = 4) uniform usampler2DMS seen;
+layout(location = 1) uniform vec2 sample_places[SAMPLES];
+#else
+layout(binding = 4) uniform usampler2D seen;
+#endif
+layout(location = 9) uniform uint first_instance;  // of the channel
+layout(location = 10) uniform uint set_material;
+
+struct SpherePoint {
+  vec3 position;  // relative to the eye, ENU
+  vec3 normal;    // outward
+  vec3 direction; // 1 along the view axis
+  vec3 local;     // on the unit sphere, in ENU
+};
+
+// Requires: spheres[index] is met by the ray there, or passed within rounding.
+SpherePoint sphere_point(uint index, vec2 pixel) {
+  SphereView v = sphere_view(spheres[index]);
+  SphereRay r = sphere_ray(pixel, v.origin, v.ahead, v.place);
+  float k = sphere_first(r, forward.w - v.place.z);
+  if (k == OBJECT_FAR) k = -dot(r.o, r.d) / dot(r.d, r.d);
+  vec3 p = r.o + r.d * k;
+  vec2 from_middle = (pixel - vec2(view_size.xy)) * right.w;
+  SpherePoint s;
+  s.direction = forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
+  s.position = s.direction * (v.place.z + k);
+  s.local = right.xyz * p.x + up.xyz * p.y + forward.xyz * p.z;
+  s.normal = normalize(s.local);
+  return s;
+}
+
+#ifndef CHANNELS
+struct ObjectSite {
+  vec3 p;  // on the unit sphere, in ENU
+  float part;  // 1 / radius
+};
+
+vec3 object_normal(ObjectSite site, vec3 offset) { return normalize(site.p + offset * site.part); }
+
+vec2 object_uv(ObjectSite site, vec3 offset) {
+  ObjectShape none;
+  return sphere_uv(normalize(site.p + offset * site.part), 0, none);
+}
+
+bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
+  next = site;
+  next.p -= direction * (2.0 * dot(site.p, direction));
+  return true;
+}
+
+#include "object_light.glsl"
+
+vec3 sphere_light(uint index, vec2 pixel) {
+  SpherePoint s = sphere_point(index, pixel);
+  ObjectPoint p;
+  p.position = s.position;
+  p.normal = s.normal;
+  p.material = set_material;
+  vec3 color = unpackUnorm4x8(sphere_colors[index].x).rgb;
+  p.tint = color * color;
+  return object_light(p, ObjectSite(s.normal, 1.0 / spheres[index].w));
+}
+#endif
+
+void main() {
+#if SAMPLES > 1
+  // Each sphere of the pixel once, by how many samples it has.
+  uint ids[SAMPLES];
+  int mask = 0;
+  for (int i = 0; i < SAMPLES; ++i) {
+    ids[i] = texelFetch(seen, ivec2(gl_FragCoord.xy), i).x;
+    if (ids[i] != 0u) mask |= 1 << i;
+  }
+  if (mask == 0) discard;
+  vec3 sum = vec3(0.0);
+  float count = 0.0;
+  for (int i = 0; i < SAMPLES; ++i) {
+    if (ids[i] == 0u) continue;
+    float same = 0.0;
+    for (int k = 0; k < SAMPLES; ++k) {
+      if (ids[k] != ids[i]) continue;
+      // Computed where it was met before.
+      if (k < i) {
+        same = 0.0;
+        break;
+      }
+      same += 1.0;
+    }
+    if (same == 0.0) continue;
+    sum += same * frame_tone(sphere_light(ids[i] - 1u, gl_FragCoord.xy + (same == float(SAMPLES) ? vec2(0.0) : sample_places[i])));
+    count += same;
+  }
+  gl_SampleMask[0] = mask;
+  out_color = vec4(sum / count, 1.0);
+#else
+  uint id = texelFetch(seen, ivec2(gl_FragCoord.xy), 0).x;
+  if (id == 0u) discard;
+#ifdef CHANNELS
+  SpherePoint s = sphere_point(id - 1u, gl_FragCoord.xy);
+  out_road = vec4(-1.0, 0.0, 0.0, 0.0);
+  out_normal = vec4(s.normal, 0.0);
+  out_label = vec2(5.0, float(first_instance + sphere_colors[id - 1u].y));
+#else
+  out_color = vec4(frame_tone(sphere_light(id - 1u, gl_FragCoord.xy)), 1.0);
+#endif
+#endif
+}
