@@ -22,11 +22,12 @@ void main() {
   if (dot(in_plane, in_plane) > 1.0) discard;
 #endif
   float least = forward.w - place.z;
-  float k = sphere_first(sphere_ray(gl_FragCoord.xy, origin, ahead, place), least);
+  bool far = place.z > 0.0;
+  float k = sphere_first(sphere_ray(gl_FragCoord.xy, origin, ahead, place), origin.w, far, least);
 #if SAMPLES > 1
   int mask = 0;
   for (int i = 0; i < SAMPLES; ++i) {
-    float met = sphere_first(sphere_ray(gl_FragCoord.xy + sample_places[i], origin, ahead, place), least);
+    float met = sphere_first(sphere_ray(gl_FragCoord.xy + sample_places[i], origin, ahead, place), origin.w, far, least);
     if (met == OBJECT_FAR) continue;
     mask |= 1 << i;
     // The centre is not on the sphere: the depth of the first sample that is.

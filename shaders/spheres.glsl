@@ -1,6 +1,7 @@
 // Sets of spheres: what the stages share. A sphere's frame has the axes of the view and its radius for a unit.
 #include "lib/object.glsl"
 #include "lib/sphere.glsl"
+#include "frame.glsl"
 #include "objects.glsl"
 
 layout(std430, binding = 3) readonly buffer Spheres { vec4 spheres[]; };               // centre from the set's origin, radius
@@ -33,23 +34,33 @@ SphereView sphere_view(vec4 sphere) {
   return v;
 }
 
+// A ray of the pixel; its point nearest to the centre is at k = k_nearest; half2: of the chord, squared, in radii.
 struct SphereRay {
   vec3 o;
   vec3 d;
-  float at_o;
+  float per_a;  // 1 / d^2
+  float k_nearest;
+  float half2;
 };
 
 SphereRay sphere_ray(vec2 pixel, vec4 origin, vec3 ahead, vec4 place) {
-  vec2 at = (pixel - place.xy) * (float(view_size.z) * place.w);
-  vec3 o = origin.xyz + vec3(at * place.z, 0.0);
-  return SphereRay(o, ahead + vec3(at, 0.0), place.z > 0.0 ? dot(o, o) - 1.0 : origin.w);
+  vec2 at = (pixel - place.xy) * (right.w * place.w);
+  SphereRay r;
+  r.o = origin.xyz + vec3(at * place.z, 0.0);
+  r.d = ahead + vec3(at, 0.0);
+  r.per_a = 1.0 / dot(r.d, r.d);
+  r.k_nearest = -dot(r.o, r.d) * r.per_a;
+  vec3 nearest = r.o + r.d * r.k_nearest;
+  r.half2 = 1.0 - dot(nearest, nearest);
+  return r;
 }
 
-// Where the ray first meets the sphere beyond the near plane; OBJECT_FAR where it does not.
-float sphere_first(SphereRay r, float least) {
-  float half2 = sphere_chord2(r.o, r.d);
-  float a = dot(r.d, r.d);
-  vec2 k = object_roots(a, dot(r.o, r.d), r.at_o, sqrt(max(half2, 0.0) * a));
+// Where the ray first meets the sphere beyond the near plane; OBJECT_FAR where it does not. From afar both roots are
+// plain; an eye near the sphere needs the value there, in double.
+float sphere_first(SphereRay r, float at_eye, bool far, float least) {
+  float half_ = sqrt(max(r.half2, 0.0) * r.per_a);
+  vec2 k = vec2(r.k_nearest - half_, r.k_nearest + half_);
+  if (!far) k = object_roots(1.0 / r.per_a, dot(r.o, r.d), at_eye, half_ / r.per_a);
   float first = k.x >= least ? k.x : k.y;
-  return half2 >= 0.0 && first >= least ? first : OBJECT_FAR;
+  return r.half2 >= 0.0 && first >= least ? first : OBJECT_FAR;
 }

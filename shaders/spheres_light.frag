@@ -23,8 +23,8 @@ struct SpherePoint {
 SpherePoint sphere_point(uint index, vec2 pixel) {
   SphereView v = sphere_view(spheres[index]);
   SphereRay r = sphere_ray(pixel, v.origin, v.ahead, v.place);
-  float k = sphere_first(r, forward.w - v.place.z);
-  if (k == OBJECT_FAR) k = -dot(r.o, r.d) / dot(r.d, r.d);
+  float k = sphere_first(r, v.origin.w, v.place.z > 0.0, forward.w - v.place.z);
+  if (k == OBJECT_FAR) k = r.k_nearest;
   vec3 p = r.o + r.d * k;
   vec2 from_middle = (pixel - vec2(view_size.xy)) * right.w;
   SpherePoint s;

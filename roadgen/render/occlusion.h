@@ -33,13 +33,18 @@ class Occlusion {
            std::vector<std::uint32_t>& seen);
 
  private:
+  // Of a ball on the screen: centre and half extents, in cells; depth of its front. Means nothing where front <= near_m_.
+  struct Image {
+    float x, y, dx, dy, front;
+  };
   struct Rect {
     int x0, x1, y0, y1;  // cells, inclusive; empty where x0 > x1
     bool whole;          // within the picture, or nothing to say: count as seen
   };
-  Rect rect(glm::vec3 center, float radius) const;
+  Image image(glm::vec3 center, float radius) const;
+  Rect rect(const Image& i) const;
   bool hidden(const Rect& r, float nearest) const;
-  void cover(glm::vec3 center, float radius, const Rect& r);
+  void cover(glm::vec3 center, float radius, const Image& i, const Rect& box);
 
   int columns_ = 0, rows_ = 0;
   float half_width_ = 0, half_height_ = 0, scale_ = 0;  // cells; cells a unit at distance 1

@@ -19,6 +19,8 @@ namespace {
 
 // Where shaders/spheres_light.frag finds the indices.
 constexpr GLuint kIndexUnit = 4;
+// Spheres of one draw: their vertices are counted by 16 bits, with up to 32 corners.
+constexpr std::uint32_t kDrawSpheres = 2048;
 
 template <class T>
 gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
@@ -37,7 +39,7 @@ Status SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instanc
     first_instance += static_cast<std::uint32_t>(set.items.size());
   }
   if (sets_.empty()) return Done{};
-  elements_ = buffer_of(polygon_elements(corners(), kGroupObjects));
+  elements_ = buffer_of(polygon_elements(corners(), kDrawSpheres));
   array_ = gl::VertexArray::create();
   glVertexArrayElementBuffer(array_.id(), elements_.id());
   return Done{};
@@ -149,15 +151,15 @@ void SphereBatch::draw_set(const Set& set, const ObjectView& view, const Program
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, set.order.id());
   glBindVertexArray(array_.id());
 
-  // The indices. The elements of one group's polygons serve all: each draw begins where the one before ended.
+  // The indices. The same elements serve all: each draw begins where the one before ended.
   glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
   const GLuint none[4] = {0, 0, 0, 0};
   glClearBufferuiv(GL_COLOR, 0, none);
   with.index.use();
   std::vector<GLsizei> counts;
   std::vector<GLint> firsts;
-  for (std::size_t first = 0; first < seen.size(); first += kGroupObjects) {
-    const std::size_t count = std::min<std::size_t>(kGroupObjects, seen.size() - first);
+  for (std::size_t first = 0; first < seen.size(); first += kDrawSpheres) {
+    const std::size_t count = std::min<std::size_t>(kDrawSpheres, seen.size() - first);
     counts.push_back(static_cast<GLsizei>(count) * 3 * (corners() - 2));
     firsts.push_back(static_cast<GLint>(first) * corners());
   }
