@@ -43,7 +43,6 @@ ObjectRay ray_at(vec2 pixel, ObjectShape shape) {
   return r;
 }
 
-#ifndef CHANNELS
 struct ObjectSite {
   vec3 p;    // in the shape's frame
   int face;
@@ -83,7 +82,6 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
 }
 
 #include "object_light.glsl"
-#endif
 
 // Which samples of the pixel the object covers: the surface is shaded once, its outline is taken at each of them.
 #if SAMPLES > 1

@@ -35,22 +35,23 @@ vec3 object_texture(ObjectSite site, float layer, vec3 step_x, vec3 step_y) {
 
 // What comes through the object along d, or through a thin sheet.
 vec3 object_through(ObjectSite site, vec3 d, vec3 n, bool within, float ior, float alpha, float width) {
-  ObjectSite next;
   LightRefraction ray = light_refracted(d, n, within ? 1.0 / ior : ior);
-  if (within) return environment_mirrored(ray.direction, alpha, width);
-  if (!object_exit(site, ray.direction, next)) return environment_mirrored(d, alpha, width);
-  for (int i = 0; i < kMostBounces; ++i) {
-    vec3 outward = object_normal(next, vec3(0.0));
-    LightRefraction leaving = light_refracted(ray.direction, -outward, 1.0 / ior);
-    if (!leaving.total) {
-      float kept = light_fresnel(clamp(dot(ray.direction, outward), 0.0, 1.0), 1.0 / ior);
-      return (1.0 - kept) * environment_mirrored(leaving.direction, alpha, width);
+  vec3 direction = ray.direction;
+  float kept = 0.0;
+  for (int i = 0; i < kMostBounces && !within; ++i) {
+    ObjectSite next;
+    if (!object_exit(site, direction, next)) {
+      if (i == 0) direction = d;
+      break;
     }
-    ray = leaving;
+    vec3 outward = object_normal(next, vec3(0.0));
+    ray = light_refracted(direction, -outward, 1.0 / ior);
+    if (!ray.total) kept = light_fresnel(clamp(dot(direction, outward), 0.0, 1.0), 1.0 / ior);
+    direction = ray.direction;
+    if (!ray.total) break;
     site = next;
-    if (!object_exit(site, ray.direction, next)) break;
   }
-  return environment_mirrored(ray.direction, alpha, width);
+  return (1.0 - kept) * environment_mirrored(direction, alpha, width);
 }
 
 // Angle between the directions in which neighbouring pixels see the environment mirrored.
@@ -84,6 +85,9 @@ vec3 object_light(ObjectPoint p, ObjectSite site) {
   float facing = dot(n, sun.xyz);
   vec3 light = vec3(0.0);
   if (facing > 0.0) light = light_brdf(sunlit, n, sun.xyz, -d) * sky_sun_color() * (LIGHT_PI * facing);
+#ifdef SUN_KINDS
+  if (facing > 0.0) light *= sun_seen(p.position, step_x, step_y);
+#endif
 
   // What comes from all around.
   vec3 part = vec3(0.0);

@@ -2,9 +2,7 @@
 #include "lib/noise.glsl"
 #include "frame.glsl"
 #include "outputs.glsl"
-#ifdef PANORAMA
 #include "environment.glsl"
-#endif
 
 in vec3 direction;
 

@@ -35,7 +35,6 @@ SpherePoint sphere_point(uint index, vec2 pixel) {
   return s;
 }
 
-#ifndef CHANNELS
 struct ObjectSite {
   vec3 p;  // on the unit sphere, in ENU
   float part;  // 1 / radius
@@ -56,6 +55,7 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
 
 #include "object_light.glsl"
 
+#ifndef CHANNELS
 vec3 sphere_light(uint index, vec2 pixel) {
   SpherePoint s = sphere_point(index, pixel);
   ObjectPoint p;

@@ -16,6 +16,7 @@
 
 #include "roadgen/render/object_proxy.h"
 #include "roadgen/render/object_textures.h"
+#include "roadgen/render/sun_grid.h"
 
 namespace roadgen {
 namespace {
@@ -95,9 +96,10 @@ Status check_fits(std::size_t bytes) {
 
 }  // namespace
 
-Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& options) {
+Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& options, unsigned shadow_kinds) {
   *this = {};
   options_ = options;
+  shadow_kinds_ = shadow_kinds;
   std::array<std::vector<std::uint32_t>, 16> members;
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
     members[static_cast<std::size_t>(primitive(scene.objects[i]).kind)].push_back(i);
@@ -107,7 +109,8 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
     if (of_kind.empty()) continue;
     if (Status s = add_kind(row.kind, scene, of_kind); !s) return s;
   }
-  if (Status s = spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options); !s) return s;
+  if (Status s = spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options, shadow_kinds); !s)
+    return s;
   statistics_.spheres = spheres_.spheres();
   if (empty()) return Done{};
   view_uniforms_ = gl::Buffer::with_data(sizeof(ViewUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -182,6 +185,7 @@ Result<const Program*> ObjectBatch::program(const PrimitiveRow& row, const Objec
        ""});
   if (options_.texture_space && (row.flat || (round && !options_.rectangle))) defines.push_back({"IN_PLANE", ""});
   if (view.channels) defines.push_back({"CHANNELS", ""});
+  if (!view.channels) add_shadows(defines, shadow_kinds_);
   auto made = Program::graphics("object.vert", "object.frag", defines);
   if (!made) return made.error();
   return &programs_.emplace(key, std::move(*made)).first->second;

@@ -21,6 +21,7 @@
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/road_tiles.h"
+#include "roadgen/render/sun_grid.h"
 #include "roadgen/render/sweep_batch.h"
 
 namespace roadgen {
@@ -36,7 +37,7 @@ static_assert(sizeof(FrameUniforms) == 64 + 8 * 16);
 // Materials go by height within the ground's relief; hills lower than this stay green.
 constexpr double kLeastRelief_m = 600;
 
-glm::vec3 direction(double azimuth_deg, double elevation_deg) {
+glm::dvec3 direction(double azimuth_deg, double elevation_deg) {
   const double azimuth = azimuth_deg * std::numbers::pi / 180, elevation = elevation_deg * std::numbers::pi / 180;
   return glm::dvec3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                     std::sin(elevation));
@@ -125,6 +126,8 @@ struct Renderer::State {
   ObjectBatch objects;
   std::uint32_t first_object = 1;  // of the instance channel
   Lighting lighting;
+  SunGrid sun_grid;
+  unsigned shadow_kinds = 0;  // for which picture is compiled
   Environment environment;
   bool has_panorama = false;     // else the environment is the sky's, or none yet
   glm::vec3 environment_sun{0};  // under which it is that
@@ -136,7 +139,7 @@ struct Renderer::State {
                     double least_contribution);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   void show_ground_to_roads();
-  Status light_objects();
+  Status light_objects(glm::dvec3 eye_m);
   Status draw_channels(const Camera& camera, int width, int height);
 };
 
@@ -154,8 +157,7 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   u.forward = glm::dvec4(axes.forward, camera.near_m);
   u.right = glm::dvec4(axes.right, pixel);
   u.up = glm::dvec4(axes.up, std::min<double>(camera.far_m, std::numeric_limits<float>::max()));
-  u.sun = glm::vec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg),
-                    static_cast<float>(lighting.haze_range_m));
+  u.sun = glm::dvec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg), lighting.haze_range_m);
   u.ground = glm::dvec4(ground.low_m() - camera.position_m.z,
                         1 / std::max(kLeastRelief_m, ground.high_m() - ground.low_m()), 0, 0);
   glNamedBufferSubData(frame_uniforms.id(), 0, sizeof u, &u);
@@ -166,7 +168,7 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
                                    double least_contribution) {
   upload_frame(camera, width, height);
   if (&programs == &picture) {
-    if (Status s = light_objects(); !s) return s;
+    if (Status s = light_objects(camera.position_m); !s) return s;
   }
   glViewport(0, 0, width, height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -214,7 +216,7 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
 }
 
 // Only scenes with objects pay for an environment.
-Status Renderer::State::light_objects() {
+Status Renderer::State::light_objects(glm::dvec3 eye_m) {
   if (objects.empty() && !has_panorama) return Done{};
   const glm::vec3 toward_sun = direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg);
   if (!environment || (!has_panorama && environment_sun != toward_sun)) {
@@ -224,7 +226,8 @@ Status Renderer::State::light_objects() {
     environment_sun = toward_sun;
   }
   environment.bind();
-  return Done{};
+  if (sun_grid.empty()) return Done{};
+  return sun_grid.bind(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg), eye_m);
 }
 
 // What pixels of roads cost is in finding them: those behind the ground had better be known before.
@@ -353,7 +356,18 @@ Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& opt
     return Error{ErrorCode::kData, fault.message, fault.file, fault.line, fault.element};
   }
   if (Status s = state_->context.make_current(); !s) return s;
-  return state_->objects.upload(scene, options);
+  State& state = *state_;
+  if (Status s = state.sun_grid.upload(options.shadows ? scene : ObjectScene{}); !s) return s;
+  if (Status s = state.objects.upload(scene, options, state.sun_grid.kinds()); !s) return s;
+  // Roads without objects pay nothing for shadows.
+  if (state.sun_grid.kinds() == state.shadow_kinds) return Done{};
+  ShaderDefines defines;
+  add_shadows(defines, state.sun_grid.kinds());
+  auto picture = compile(defines);
+  if (!picture) return picture.error();
+  state.picture = std::move(*picture);
+  state.shadow_kinds = state.sun_grid.kinds();
+  return Done{};
 }
 
 Status Renderer::load_environment(const ImageF& panorama) {

@@ -93,6 +93,8 @@ struct ObjectOptions {
   // Spheres of sets that nothing is seen of are found on the CPU and not drawn; about 50 ns a sphere, which a GPU may
   // spend better itself.
   bool occlusion = true;
+  // The sun's shadows of objects on roads, ground and each other.
+  bool shadows = true;
 };
 
 struct ObjectStatistics {

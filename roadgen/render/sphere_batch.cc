@@ -13,6 +13,7 @@
 #include <glm/vec2.hpp>
 
 #include "roadgen/render/object_proxy.h"
+#include "roadgen/render/sun_grid.h"
 
 namespace roadgen {
 namespace {
@@ -29,9 +30,11 @@ gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
 
 }  // namespace
 
-Status SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options) {
+Status SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
+                           unsigned shadow_kinds) {
   *this = {};
   options_ = options;
+  shadow_kinds_ = shadow_kinds;
   for (const SphereSet& set : scene.sphere_sets) {
     if (!set.items.empty()) {
       if (Status s = add(set, first_instance); !s) return s;
@@ -97,6 +100,7 @@ Result<SphereBatch::Programs*> SphereBatch::programs(const ObjectView& view) {
     for (GLint i = 0; i < corners(); ++i) glProgramUniform2f(index->id(), 3 + i, around[i].x, around[i].y);
   }
   if (view.channels) defines.push_back({"CHANNELS", ""});
+  if (!view.channels) add_shadows(defines, shadow_kinds_);
   auto light = Program::graphics("sky.vert", "spheres_light.frag", defines);
   if (!light) return light.error();
   programs_.push_back({view.channels, view.samples, std::move(*index), std::move(*light)});

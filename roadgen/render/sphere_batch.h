@@ -22,9 +22,10 @@ namespace roadgen {
 
 class SphereBatch {
  public:
-  // Replaces the sets. first_instance: number of the first sphere. Cost: O(n log n); 28 bytes a sphere on the GPU, 16 on
+  // Replaces the sets. first_instance: number of the first sphere; shadow_kinds: SunGrid::kinds(). Cost: O(n log n); 28 bytes a sphere on the GPU, 16 on
   // the CPU. Errors: kData: a set is larger than the driver's buffers.
-  Status upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options);
+  Status upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
+                unsigned shadow_kinds);
   bool empty() const { return sets_.empty(); }
   std::size_t spheres() const { return spheres_; }
   std::size_t drawn() const { return drawn_; }  // in the last frame
@@ -55,6 +56,7 @@ class SphereBatch {
   void draw_set(const Set& set, const ObjectView& view, const Programs& with);
 
   ObjectOptions options_;
+  unsigned shadow_kinds_ = 0;
   std::vector<Set> sets_;
   std::vector<Programs> programs_;
   Occlusion occlusion_;
