@@ -69,7 +69,8 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
   ObjectShape shape = object_shape(objects[index]);
   if ((shape.flags & OBJECT_SOLID) == 0) return false;
   vec3 d = in_shape(direction);
-  ObjectHits hits = NAME_HITS(site.p, d, 0.0, shape);
+  // Face 0 is where the value is 0; the others are cuts.
+  ObjectHits hits = NAME_HITS(site.p, d, site.face == 0 ? 0.0 : NAME_VALUE(site.p, shape), shape);
   // Shapes are about 1 large.
   float least = 1e-4 * inversesqrt(dot(d, d));
   for (int i = 1; i < 4; i += 2) {

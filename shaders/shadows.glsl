@@ -117,10 +117,9 @@ float sun_seen(vec3 position, vec3 step_x, vec3 step_y) {
       if (across < ball.w - beam) return 0.0;
     }
     int kind = is_sphere ? 0 : int(sun_objects[row + 1u].w);
-    ObjectShape s;
+    ObjectShape s = ObjectShape(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, OBJECT_SOLID);
     vec3 x = vec3(1.0 / ball.w, 0.0, 0.0), y = x.yxz, z = x.yzx;
     float opacity = 1.0;
-    s.flags = OBJECT_SOLID;
     if (!is_sphere) {
       x = sun_objects[row + 1u].xyz;
       y = sun_objects[row + 2u].xyz;

@@ -43,7 +43,7 @@ struct ObjectSite {
 vec3 object_normal(ObjectSite site, vec3 offset) { return normalize(site.p + offset * site.part); }
 
 vec2 object_uv(ObjectSite site, vec3 offset) {
-  ObjectShape none;
+  ObjectShape none = ObjectShape(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0);
   return sphere_uv(normalize(site.p + offset * site.part), 0, none);
 }
 
