@@ -27,6 +27,7 @@ double cone_at_eye(dvec3 e, ObjectShape s) {
   return e.x * e.x + e.y * e.y - radius * radius;
 }
 double quadric_at_eye(dvec3 e, ObjectShape s) {
+  if ((s.flags & OBJECT_PLANES) != 0) return 0.0lf;  // not used
   return e.x * (s.p0 * e.x + s.p3 * e.y + s.p4 * e.z + s.p6) + e.y * (s.p1 * e.y + s.p5 * e.z + s.p7) +
          e.z * (s.p2 * e.z + s.p8) + s.p9;
 }

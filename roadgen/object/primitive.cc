@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -105,31 +107,59 @@ Primitive of(const Sphere& s) {
 
 Primitive of(const Ellipsoid& s) { return made(PrimitiveKind::kSphere, s.center, s.axis_x, s.axis_y, s.axis_z); }
 
+// The two planes n p + e of a quadric that is their product, as p0 to p3 and p4 to p7. Of a double plane both are the same.
+std::array<double, 10> planes_of(const std::array<double, 10>& q, QuadricType type) {
+  const QuadricAxes a = quadric_axes(q);
+  glm::dvec4 one, two;
+  if (type == QuadricType::kIntersectingPlanes) {
+    // v0 (s0 - c0)^2 + v1 (s1 - c1)^2 with values of unlike signs.
+    const double r0 = std::sqrt(std::abs(a.values[0])), r1 = std::sqrt(std::abs(a.values[1]));
+    const double c0 = -0.5 * a.slopes[0] / a.values[0], c1 = -0.5 * a.slopes[1] / a.values[1];
+    one = {a.vectors[0] * r0 + a.vectors[1] * r1, -c0 * r0 - c1 * r1};
+    two = {a.vectors[0] * r0 - a.vectors[1] * r1, -c0 * r0 + c1 * r1};
+  } else {
+    // v0 (s0 - c0)^2 = e
+    const double c0 = -0.5 * a.slopes[0] / a.values[0];
+    const double apart = type == QuadricType::kDoublePlane ? 0 : std::sqrt(std::max(0.0, c0 * c0 - q[9] / a.values[0]));
+    const double r0 = std::sqrt(std::abs(a.values[0]));
+    one = {a.vectors[0] * r0, (-c0 - apart) * r0};
+    two = {a.vectors[0] * r0, (-c0 + apart) * r0};
+  }
+  if (a.values[0] < 0) one = -one;
+  return {one.x, one.y, one.z, one.w, two.x, two.y, two.z, two.w, 0, 0};
+}
+
+// A whole ellipsoid within the box; else nothing.
+std::optional<Primitive> ellipsoid_of(const std::array<double, 10>& q, const Primitive& box) {
+  const QuadricAxes a = quadric_axes(q);
+  double rest = q[9];
+  for (int i = 0; i < 3; ++i) rest -= 0.25 * a.slopes[i] * a.slopes[i] / a.values[i];
+  glm::dvec3 center(0), axes[3];
+  for (int i = 0; i < 3; ++i) {
+    center += a.vectors[i] * (-0.5 * a.slopes[i] / a.values[i]);
+    axes[i] = a.vectors[i] * std::sqrt(-rest / a.values[i]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const double reach = std::sqrt(axes[0][i] * axes[0][i] + axes[1][i] * axes[1][i] + axes[2][i] * axes[2][i]);
+    if (!(std::abs(center[i]) + reach <= 1)) return std::nullopt;
+  }
+  return made(PrimitiveKind::kSphere, box.center_m + box.axes * center, box.axes * axes[0], box.axes * axes[1],
+              box.axes * axes[2]);
+}
+
 Primitive of(const Quadric& s) {
   const glm::dvec3 m = 0.5 * (s.box_low + s.box_high), h = 0.5 * (s.box_high - s.box_low);
   Primitive p = made(PrimitiveKind::kQuadric, m, {h.x, 0, 0}, {0, h.y, 0}, {0, 0, h.z});
   std::array<double, 10> q = quadric_in_box(s);
   const QuadricType type = quadric_type(q);
-  if (!s.solid) p.shape.flags = 0;
-  if (type == QuadricType::kIntersectingPlanes || type == QuadricType::kParallelPlanes) {
-    p.shape.flags |= OBJECT_MEETS_ALL;
+  if (type == QuadricType::kEllipsoid) {
+    if (const auto whole = ellipsoid_of(q, p)) return *whole;
   }
-  if (type == QuadricType::kDoublePlane) {
-    // (n p + e)^2, drawn as n p + e, which has roots that are not double. n_i n_k is half the coefficient of x_i x_k.
-    const int i = q[0] >= q[1] ? (q[0] >= q[2] ? 0 : 2) : (q[1] >= q[2] ? 1 : 2);
-    const double sign = q[static_cast<std::size_t>(i)] < 0 ? -1 : 1;
-    const double n = std::sqrt(sign * q[static_cast<std::size_t>(i)]);
-    const double half[3][3] = {{q[0], q[3] / 2, q[4] / 2}, {q[3] / 2, q[1], q[5] / 2}, {q[4] / 2, q[5] / 2, q[2]}};
-    q = {0,
-         0,
-         0,
-         0,
-         0,
-         0,
-         sign * half[i][0] / n,
-         sign * half[i][1] / n,
-         sign * half[i][2] / n,
-         sign * q[static_cast<std::size_t>(6 + i)] / (2 * n)};
+  if (!s.solid) p.shape.flags = 0;
+  if (type == QuadricType::kIntersectingPlanes || type == QuadricType::kParallelPlanes ||
+      type == QuadricType::kDoublePlane) {
+    p.shape.flags |= OBJECT_PLANES;
+    q = planes_of(q, type);
   }
   set_numbers(p.shape, q.data(), 10);
   return p;
@@ -170,7 +200,11 @@ Primitive of(const Torus& s) {
 void mirror(Primitive& p) {
   p.axes[0] = -p.axes[0];
   Numbers& s = p.shape;
-  if (p.kind == PrimitiveKind::kQuadric) s.p3 = -s.p3, s.p4 = -s.p4, s.p6 = -s.p6;
+  if (p.kind == PrimitiveKind::kQuadric && (s.flags & OBJECT_PLANES) != 0) {
+    s.p0 = -s.p0, s.p4 = -s.p4;
+  } else if (p.kind == PrimitiveKind::kQuadric) {
+    s.p3 = -s.p3, s.p4 = -s.p4, s.p6 = -s.p6;
+  }
   if (p.kind == PrimitiveKind::kConic) s.p2 = -s.p2, s.p3 = -s.p3;
 }
 

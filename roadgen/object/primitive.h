@@ -68,4 +68,13 @@ ObjectBounds bounds(const Primitive& primitive);
 // The coefficients in the frame of the box, which is [-1, 1]^3 there; the greatest becomes 1.
 std::array<double, 10> quadric_in_box(const Quadric& quadric);
 
+// Along its principal axes, unit and perpendicular, with s_i = vectors[i] p, a quadric is the sum of values[i] s_i^2 +
+// slopes[i] s_i, and the last coefficient. Greatest value first.
+struct QuadricAxes {
+  double values[3];
+  glm::dvec3 vectors[3];
+  double slopes[3];
+};
+QuadricAxes quadric_axes(const std::array<double, 10>& coefficients);
+
 }  // namespace roadgen

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "roadgen/object/object.h"
+#include "roadgen/object/primitive.h"
 
 namespace roadgen {
 namespace {
@@ -17,29 +17,39 @@ struct Inertia {
   bool definite() const { return positive == 0 || negative == 0; }
 };
 
-// Jacobi's method: rotations that take the elements off the diagonal to 0, each at most once a sweep. Ten sweeps leave
-// nothing of matrices of this size.
 template <int N>
-Inertia inertia(std::array<std::array<double, N>, N> m) {
+using Matrix = std::array<std::array<double, N>, N>;
+
+// Jacobi's method: rotations that take the elements off the diagonal to 0, each at most once a sweep. Ten sweeps leave
+// nothing of matrices of this size. The eigenvalues come to the diagonal, their vectors are the columns of `vectors`.
+template <int N>
+void diagonalize(Matrix<N>& m, Matrix<N>& vectors) {
+  for (int i = 0; i < N; ++i) {
+    for (int k = 0; k < N; ++k) vectors[i][k] = i == k;
+  }
   for (int sweep = 0; sweep < 10; ++sweep) {
     for (int i = 0; i < N; ++i) {
       for (int k = i + 1; k < N; ++k) {
         if (m[i][k] == 0) continue;
         const double angle = 0.5 * std::atan2(2 * m[i][k], m[k][k] - m[i][i]);
         const double c = std::cos(angle), s = std::sin(angle);
-        for (int j = 0; j < N; ++j) {
-          const double a = m[i][j], b = m[k][j];
-          m[i][j] = c * a - s * b;
-          m[k][j] = s * a + c * b;
-        }
-        for (int j = 0; j < N; ++j) {
-          const double a = m[j][i], b = m[j][k];
-          m[j][i] = c * a - s * b;
-          m[j][k] = s * a + c * b;
-        }
+        const auto turn = [&](double& a, double& b) {
+          const double first = c * a - s * b;
+          b = s * a + c * b;
+          a = first;
+        };
+        for (int j = 0; j < N; ++j) turn(m[i][j], m[k][j]);
+        for (int j = 0; j < N; ++j) turn(m[j][i], m[j][k]);
+        for (int j = 0; j < N; ++j) turn(vectors[j][i], vectors[j][k]);
       }
     }
   }
+}
+
+template <int N>
+Inertia inertia(Matrix<N> m) {
+  Matrix<N> vectors;
+  diagonalize<N>(m, vectors);
   double greatest = 0;
   for (int i = 0; i < N; ++i) greatest = std::max(greatest, std::abs(m[i][i]));
   Inertia result;
@@ -77,6 +87,21 @@ QuadricType quadric_type(const std::array<double, 10>& q) {
       // Rank 4: two signs of each kind are one sheet, else two.
       return all.positive == 2 ? T::kHyperboloidOneSheet : T::kHyperboloidTwoSheets;
   }
+}
+
+QuadricAxes quadric_axes(const std::array<double, 10>& q) {
+  Matrix<3> m = {{{q[0], q[3] / 2, q[4] / 2}, {q[3] / 2, q[1], q[5] / 2}, {q[4] / 2, q[5] / 2, q[2]}}}, vectors;
+  diagonalize<3>(m, vectors);
+  QuadricAxes axes;
+  std::array<int, 3> order = {0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(m[a][a]) > std::abs(m[b][b]); });
+  for (int i = 0; i < 3; ++i) {
+    const int from = order[static_cast<std::size_t>(i)];
+    axes.values[i] = m[from][from];
+    axes.vectors[i] = {vectors[0][from], vectors[1][from], vectors[2][from]};
+    axes.slopes[i] = q[6] * axes.vectors[i].x + q[7] * axes.vectors[i].y + q[8] * axes.vectors[i].z;
+  }
+  return axes;
 }
 
 const char* quadric_type_name(QuadricType type) {

@@ -11,7 +11,7 @@
 
 #define OBJECT_FAR 1e30
 #define OBJECT_SOLID 1
-#define OBJECT_MEETS_ALL 2
+#define OBJECT_PLANES 2
 
 // The numbers that a shape has in its frame, by kind: each NAME.glsl says which.
 struct ObjectShape {
@@ -25,7 +25,7 @@ struct ObjectShape {
   float p7;
   float p8;
   float p9;
-  int flags;  // of OBJECT_SOLID and OBJECT_MEETS_ALL
+  int flags;  // OBJECT_SOLID, OBJECT_PLANES
 };
 
 // In the order of k. Of a solid the first enters it, the second leaves it, and so on. face: the shape's own numbers.
