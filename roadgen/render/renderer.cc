@@ -357,16 +357,21 @@ Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& opt
   }
   if (Status s = state_->context.make_current(); !s) return s;
   State& state = *state_;
-  if (Status s = state.sun_grid.upload(options.shadows ? scene : ObjectScene{}); !s) return s;
-  if (Status s = state.objects.upload(scene, options, state.sun_grid.kinds()); !s) return s;
+  SunGrid sun_grid;
+  if (Status s = sun_grid.upload(options.shadows ? scene : ObjectScene{}); !s) return s;
+  ObjectBatch objects;
+  if (Status s = objects.upload(scene, options, sun_grid.kinds()); !s) return s;
   // Roads without objects pay nothing for shadows.
-  if (state.sun_grid.kinds() == state.shadow_kinds) return Done{};
-  ShaderDefines defines;
-  add_shadows(defines, state.sun_grid.kinds());
-  auto picture = compile(defines);
-  if (!picture) return picture.error();
-  state.picture = std::move(*picture);
-  state.shadow_kinds = state.sun_grid.kinds();
+  if (sun_grid.kinds() != state.shadow_kinds) {
+    ShaderDefines defines;
+    add_shadows(defines, sun_grid.kinds());
+    auto picture = compile(defines);
+    if (!picture) return picture.error();
+    state.picture = std::move(*picture);
+    state.shadow_kinds = sun_grid.kinds();
+  }
+  state.sun_grid = std::move(sun_grid);
+  state.objects = std::move(objects);
   return Done{};
 }
 

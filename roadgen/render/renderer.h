@@ -123,7 +123,7 @@ class Renderer {
   // where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
-  // Replaces the objects. Cost: O(n log n), n objects and spheres.
+  // Replaces the objects; on an error they are as they were. Cost: O(n log n), n objects and spheres.
   // Errors: kData with the object, for the first that check() finds or where the GPU has no room; kUsage: an option out of
   // its range; kShader.
   Status load_objects(const ObjectScene& scene, const ObjectOptions& options = {});
