@@ -73,8 +73,10 @@ int main(int argc, char** argv) {
          ROADGEN_DATA_ERROR);
   EXPECT(strstr(roadgen_last_error(), "unknown type 'blob'") != NULL);
   EXPECT(roadgen_set_props(renderer, network, "none.json", NULL) == ROADGEN_DATA_ERROR);
-  EXPECT(roadgen_set_props(renderer, network, "/nowhere/props.json",
-                           "{\"version\": 1, \"materials\": {\"wood\": {\"texture\": \"wood.png\"}}}") ==
+  EXPECT(roadgen_set_props(
+             renderer, network, "/nowhere/props.json",
+             "{\"version\": 1, \"materials\": {\"wood\": {\"texture\": \"wood.png\"}}, "
+             "\"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, \"material\": \"wood\"}]}") ==
          ROADGEN_DATA_ERROR);
   EXPECT(strstr(roadgen_last_error(), "/nowhere/wood.png") != NULL);
   EXPECT(roadgen_set_props(NULL, network, NULL, text) == ROADGEN_USAGE_ERROR);
