@@ -69,6 +69,11 @@ void main() {
   if (!far) origin.w = float(AT_EYE(eye_exact, shape));
 #endif
 
+  if (float(center.z) + radius < near) {
+    // Behind the near plane.
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
   // The nearest that anything of it can be: what is written is never in front of this.
   float depth = near / max(float(center.z) - 1.000001 * radius, near);
   vec2 scale = 1.0 / eye_phase.zw;

@@ -11,7 +11,7 @@ flat in vec4 place;
 in vec2 in_plane;
 #endif
 #if SAMPLES > 1
-layout(location = 1) uniform vec2 sample_places[SAMPLES];  // from the pixel's centre
+layout(location = 40) uniform vec2 sample_places[SAMPLES];  // from the pixel's centre
 #endif
 
 layout(depth_less) out float gl_FragDepth;

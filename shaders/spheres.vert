@@ -27,12 +27,17 @@ void main() {
   place = v.place;
   // The nearest that anything of it can be: what is written is never in front of this.
   float near = float(view_size.w);
+  if (float(v.center.z) + radius < near) {
+    // Behind the near plane.
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
   float depth = near / max(float(v.center.z) - 1.000001 * radius, near);
   vec2 scale = 1.0 / eye_phase.zw;
 #ifdef PROXY_RECTANGLE
   // The tangent lines of the projected sphere: (c.x - m c.z)^2 = r^2 (1 + m^2). With b = c.x c.z / a, a = c.z^2 - r^2:
   // m = c.x / c.z + (its difference from there), which is small and computed as such.
-  vec2 side = vec2((corner_index & 1) != 0 ? 1.0 : -1.0, (corner_index & 2) != 0 ? 1.0 : -1.0);
+  vec2 side = vec2(corner_index == 0 || corner_index == 3 ? 1.0 : -1.0, corner_index < 2 ? 1.0 : -1.0);
   vec3 c = vec3(v.center);
   float a = (c.z - radius) * (c.z + radius);
   if (c.z <= radius * 1.0001) {

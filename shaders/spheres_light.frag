@@ -5,12 +5,12 @@
 
 #if SAMPLES > 1
 layout(binding = 4) uniform usampler2DMS seen;
-layout(location = 1) uniform vec2 sample_places[SAMPLES];
+layout(location = 40) uniform vec2 sample_places[SAMPLES];
 #else
 layout(binding = 4) uniform usampler2D seen;
 #endif
-layout(location = 9) uniform uint first_instance;  // of the channel
-layout(location = 10) uniform uint set_material;
+layout(location = 1) uniform uint first_instance;  // of the channel
+layout(location = 2) uniform uint set_material;
 
 struct SpherePoint {
   vec3 position;  // relative to the eye, ENU
@@ -93,7 +93,8 @@ void main() {
       same += 1.0;
     }
     if (same == 0.0) continue;
-    sum += same * frame_tone(sphere_light(ids[i] - 1u, gl_FragCoord.xy + (same == float(SAMPLES) ? vec2(0.0) : sample_places[i])));
+    vec2 off = same == float(SAMPLES) ? vec2(0.0) : sample_places[i];
+    sum += same * frame_tone(sphere_light(ids[i] - 1u, gl_FragCoord.xy + off));
     count += same;
   }
   gl_SampleMask[0] = mask;

@@ -263,8 +263,6 @@ ObjectBounds bounds(const Primitive& p) {
     const double xy = std::hypot(row.x, row.y), sum = std::abs(row.x) + std::abs(row.y);
     switch (p.kind) {
       case PrimitiveKind::kSphere: half[i] = glm::length(row); break;
-      case PrimitiveKind::kQuadric:
-      case PrimitiveKind::kBox: half[i] = sum + std::abs(row.z); break;
       case PrimitiveKind::kCone: half[i] = xy + std::abs(row.z); break;
       case PrimitiveKind::kTorus: half[i] = xy + p.shape.p0 * glm::length(row); break;
       case PrimitiveKind::kDisc: half[i] = xy; break;
@@ -272,6 +270,7 @@ ObjectBounds bounds(const Primitive& p) {
       case PrimitiveKind::kRhomb: half[i] = sum; break;
       case PrimitiveKind::kTetra:
       case PrimitiveKind::kTriangle: break;
+      default: half[i] = sum + std::abs(row.z); break;  // [-1, 1]^3
     }
   }
   glm::dvec3 low = p.center_m - half, high = p.center_m + half;

@@ -30,12 +30,16 @@ void Occlusion::begin(const Camera& camera, int width, int height) {
 // (c.z (c.z - r)) of c.x / c.z.
 Occlusion::Image Occlusion::image(glm::vec3 c, float r) const {
   const float front = c.z - r, inverse = 1 / c.z, part = r * inverse / front * scale_;
-  return {half_width_ + c.x * inverse * scale_, half_height_ + c.y * inverse * scale_,
-          part * std::sqrt(c.z * c.z + c.x * c.x) + kRoom_cells, part * std::sqrt(c.z * c.z + c.y * c.y) + kRoom_cells,
-          front};
+  return {half_width_ + c.x * inverse * scale_,
+          half_height_ + c.y * inverse * scale_,
+          part * std::sqrt(c.z * c.z + c.x * c.x) + kRoom_cells,
+          part * std::sqrt(c.z * c.z + c.y * c.y) + kRoom_cells,
+          front,
+          c.z + r};
 }
 
 Occlusion::Rect Occlusion::rect(const Image& i) const {
+  if (i.back < near_m_) return {1, 0, 1, 0, true};
   if (!(i.front > near_m_)) return {0, 0, 0, 0, false};
   const auto cell = [](float at, int count) {
     return static_cast<int>(std::clamp(at, 0.0f, static_cast<float>(count - 1)));

@@ -33,9 +33,10 @@ class Occlusion {
            std::vector<std::uint32_t>& seen);
 
  private:
-  // Of a ball on the screen: centre and half extents, in cells; depth of its front. Means nothing where front <= near_m_.
+  // Of a ball on the screen: centre and half extents, in cells; depths of its front and
+  // back. The others mean nothing where front <= near_m_.
   struct Image {
-    float x, y, dx, dy, front;
+    float x, y, dx, dy, front, back;
   };
   struct Rect {
     int x0, x1, y0, y1;  // cells, inclusive; empty where x0 > x1

@@ -83,10 +83,11 @@ struct RendererOptions {
 
 // How objects are drawn; what is seen is the same.
 struct ObjectOptions {
-  // Corners of the polygon around a sphere and around the ends of a cylinder. In [3, 32]. Default: see README, speed
-  int polygon = 6;
-  // Spheres and ellipsoids by the rectangle on the screen that they touch.
-  bool rectangle = false;
+  // Spheres and ellipsoids by the rectangle on the screen that they touch; else by a polygon around the circle in which
+  // the eye sees them. Default: the rectangle has the fewest corners and is drawn fastest, see README, speed
+  bool rectangle = true;
+  // Corners of that polygon, and of those around discs and the ends of cylinders. In [3, 32].
+  int polygon = 8;
   // Acceptance where the rasterizer interpolates the plane of a flat shape, or the circle of a sphere (the paper's texture
   // space), in place of the ray's own place in 3D.
   bool texture_space = false;

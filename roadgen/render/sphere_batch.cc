@@ -113,6 +113,11 @@ Status SphereBatch::ensure_target(const ObjectView& view) {
   }
   width_ = view.width, height_ = view.height, samples_ = view.samples, depth_ = view.depth;
   indices_ = gl::Texture::image_2d(GL_R32UI, width_, height_, 1, samples_);
+  if (samples_ == 1) {
+    // Integers are not filtered, and a texture that asks for it holds nothing.
+    glTextureParameteri(indices_.id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(indices_.id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  }
   target_ = gl::Framebuffer::create();
   glNamedFramebufferTexture(target_.id(), GL_COLOR_ATTACHMENT0, indices_.id(), 0);
   glNamedFramebufferTexture(target_.id(), GL_DEPTH_ATTACHMENT, depth_, 0);
@@ -176,9 +181,9 @@ void SphereBatch::draw_set(const Set& set, const ObjectView& view, const Program
   glDisable(GL_DEPTH_TEST);
   with.light.use();
   if (view.channels) {
-    glUniform1ui(9, view.first_instance + set.first_instance);
+    glUniform1ui(1, view.first_instance + set.first_instance);
   } else {
-    glUniform1ui(10, set.material);
+    glUniform1ui(2, set.material);
   }
   glBindTextureUnit(kIndexUnit, indices_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -193,7 +198,7 @@ Status SphereBatch::draw(const ObjectView& view, std::span<const glm::vec2> samp
   if (Status s = ensure_target(view); !s) return s;
   if (view.samples > 1) {
     for (const Program* program : {&(*with)->index, &(*with)->light}) {
-      glProgramUniform2fv(program->id(), 1, view.samples, &sample_places[0].x);
+      glProgramUniform2fv(program->id(), 40, view.samples, &sample_places[0].x);
     }
   }
   if (options_.occlusion) occlusion_.begin(view.camera, view.width, view.height);

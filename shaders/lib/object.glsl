@@ -28,6 +28,22 @@ struct ObjectShape {
   int flags;  // OBJECT_SOLID, OBJECT_PLANES
 };
 
+FN ObjectShape object_solid() {
+  ObjectShape s;
+  s.p0 = float(0.0);
+  s.p1 = float(0.0);
+  s.p2 = float(0.0);
+  s.p3 = float(0.0);
+  s.p4 = float(0.0);
+  s.p5 = float(0.0);
+  s.p6 = float(0.0);
+  s.p7 = float(0.0);
+  s.p8 = float(0.0);
+  s.p9 = float(0.0);
+  s.flags = OBJECT_SOLID;
+  return s;
+}
+
 // In the order of k. Of a solid the first enters it, the second leaves it, and so on. face: the shape's own numbers.
 struct ObjectHits {
   int count;
