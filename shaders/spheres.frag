@@ -32,7 +32,7 @@ void main() {
 #if defined(IN_PLANE) && SAMPLES == 1
   if (dot(in_plane, in_plane) > 1.0) discard;
 #endif
-  float depth = first_at(gl_FragCoord.xy);
+  float k = first_at(gl_FragCoord.xy);
 #if SAMPLES > 1
   int mask = 0;
   for (int i = 0; i < SAMPLES; ++i) {
@@ -40,11 +40,11 @@ void main() {
     if (met == OBJECT_FAR) continue;
     mask |= 1 << i;
     // The centre is not on the sphere: the depth of the first sample that is.
-    if (depth == OBJECT_FAR) depth = met;
+    if (k == OBJECT_FAR) k = met;
   }
   gl_SampleMask[0] = mask;
 #endif
-  if (depth == OBJECT_FAR) discard;
+  if (k == OBJECT_FAR) discard;
   out_index = sphere_index + 1u;
-  gl_FragDepth = forward.w / depth;
+  gl_FragDepth = forward.w / (place.z + k);
 }

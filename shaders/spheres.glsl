@@ -36,8 +36,8 @@ SphereView sphere_view(dvec3 center, float radius) {
   return v;
 }
 
-// Where the ray meets the front; OBJECT_FAR where it passes or the front lies before the near plane, which a sphere that is
-// not near has only where the near plane cuts it: then the back counts.
+// k of the front, or of the back where the near plane cuts the front off; OBJECT_FAR where the ray passes. clamped: then that
+// of the place nearest to the centre.
 float sphere_first_far(vec2 pixel, vec4 place, vec2 ahead, float near, bool clamped) {
   vec2 at = (pixel - place.xy) * (right.w * place.w);
   vec2 o = at * place.z;
@@ -47,9 +47,8 @@ float sphere_first_far(vec2 pixel, vec4 place, vec2 ahead, float near, bool clam
   vec3 nearest = vec3(o + d.xy * middle, d.z * middle);
   float half2 = 1.0 - dot(nearest, nearest);
   float half_ = sqrt(max(half2, 0.0) * per_a);
-  float depth = place.z + middle - half_;
-  if (depth < near) depth += 2.0 * half_;
-  return (half2 >= 0.0 || clamped) && depth >= near ? depth : OBJECT_FAR;
+  float k = place.z + middle - half_ >= near ? middle - half_ : middle + half_;
+  return (half2 >= 0.0 || clamped) && place.z + k >= near ? k : OBJECT_FAR;
 }
 
 // The same of rays that are counted from the eye. eye: in the sphere's frame; w: the sphere's value there, from double.
@@ -58,8 +57,8 @@ float sphere_first_near(vec2 pixel, vec4 eye, float per_radius, float near, bool
   float a = dot(d, d);
   float half2 = sphere_chord2(eye.xyz, d);
   vec2 k = object_roots(a, dot(eye.xyz, d), eye.w, sqrt(max(half2, 0.0) * a));
-  float depth = k.x >= near ? k.x : k.y;
-  return (half2 >= 0.0 || clamped) && depth >= near ? depth : OBJECT_FAR;
+  float first = k.x >= near ? k.x : k.y;
+  return (half2 >= 0.0 || clamped) && first >= near ? first : OBJECT_FAR;
 }
 
 vec4 sphere_eye(dvec3 center, float radius) {

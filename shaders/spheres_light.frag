@@ -35,10 +35,11 @@ SpherePoint sphere_point(uint index, vec2 pixel) {
     p = eye.xyz + vec3(from_middle, 1.0) * (depth * per_radius);
   } else {
     SphereView v = sphere_view(center, sphere.w);
-    depth = sphere_first_far(pixel, v.place, v.ahead, forward.w, true);
+    float k = sphere_first_far(pixel, v.place, v.ahead, forward.w, true);
+    depth = c.z + k;
     // From the centre: the ray's place at the centre's depth, and on from there.
     vec2 aside = (pixel - v.place.xy) * (right.w * c.z);
-    p = vec3(aside + from_middle * (depth - c.z), depth - c.z) * per_radius;
+    p = vec3(aside + from_middle * k, k) * per_radius;
   }
   SpherePoint s;
   s.direction = forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
