@@ -222,7 +222,7 @@ Status ObjectBatch::draw(const ObjectView& view) {
   const double pixel = 2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360) / view.height;
   const ViewUniforms uniforms = {glm::dvec4(axes.right, eye.x), glm::dvec4(axes.up, eye.y),
                                  glm::dvec4(axes.forward, eye.z),
-                                 glm::dvec4(0.5 * view.width, 0.5 * view.height, pixel, view.camera.near_m)};
+                                 glm::dvec4(0.5 * view.width, 0.5 * view.height, pixel, 1 / pixel)};
   glNamedBufferSubData(view_uniforms_.id(), 0, sizeof uniforms, &uniforms);
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, view_uniforms_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, materials_.id());

@@ -46,13 +46,15 @@ class SphereBatch {
   struct Programs {
     bool channels;
     int samples;
-    Program index, light;
+    Program index, index_near, light;
   };
   int corners() const { return options_.rectangle ? 4 : options_.polygon; }
   Status add(const SphereSet& set, std::uint32_t first_instance);
   Result<Programs*> programs(const ObjectView& view);
   Status ensure_target(const ObjectView& view);
-  std::vector<std::uint32_t> choose(const Set& set, const ObjectView& view);
+  // The spheres that may be seen, those last that are near (shaders/spheres.glsl); how many are not.
+  std::size_t choose(const Set& set, const ObjectView& view);
+  void draw_indices(const Program& program, std::size_t first, std::size_t count) const;
   void draw_set(const Set& set, const ObjectView& view, const Programs& with);
 
   ObjectOptions options_;
@@ -60,6 +62,7 @@ class SphereBatch {
   std::vector<Set> sets_;
   std::vector<Programs> programs_;
   Occlusion occlusion_;
+  std::vector<std::uint32_t> seen_;  // of the set that is drawn
   gl::Buffer elements_;
   gl::VertexArray array_;
   gl::Texture indices_;
