@@ -18,6 +18,18 @@ vec3 frame_corner_ray(vec2 corner) {
   return forward.xyz + right.xyz * (corner.x * eye_phase.z) + up.xyz * (corner.y * eye_phase.w);
 }
 
+// Change of a surface point per pixel step along `axis` (view right or up), by the tangent plane there.
+vec3 frame_footprint(vec3 position, vec3 normal, vec3 axis) {
+  float depth = max(dot(position, forward.xyz), 1e-3);
+  vec3 direction = position / depth;
+  vec3 step_dir = axis * right.w;
+  float facing = dot(normal, direction);
+  facing = abs(facing) < 1e-4 ? (facing < 0.0 ? -1e-4 : 1e-4) : facing;
+  return depth * (step_dir - direction * (dot(normal, step_dir) / facing));
+}
+
+#include "shadows.glsl"
+
 // What falls on a surface with this normal, and the air before it. position: relative to the eye.
 struct FrameLight {
   vec3 light;
@@ -28,6 +40,11 @@ struct FrameLight {
 FrameLight frame_light(vec3 normal, vec3 position) {
   FrameLight l;
   float lit = max(dot(normal, sun.xyz), 0.0);
+#ifdef SUN_KINDS
+  if (lit > 0.0) {
+    lit *= sun_seen(position, frame_footprint(position, normal, right.xyz), frame_footprint(position, normal, up.xyz));
+  }
+#endif
   l.light = sky_sun_color() * lit + sky_ambient(normal.z);
   float distance_m = length(position);
   vec3 direction = position / max(distance_m, 1e-6);
@@ -41,13 +58,3 @@ vec3 frame_tone(vec3 light) { return vec3(sky_tone(light.x), sky_tone(light.y), 
 // What arrives from a diffuse surface, and what the picture shows of it.
 vec3 frame_radiance(vec3 albedo, FrameLight l) { return mix(l.air, albedo * l.light, l.clear); }
 vec3 frame_shade(vec3 albedo, FrameLight l) { return frame_tone(frame_radiance(albedo, l)); }
-
-// Change of a surface point per pixel step along `axis` (view right or up), by the tangent plane there.
-vec3 frame_footprint(vec3 position, vec3 normal, vec3 axis) {
-  float depth = max(dot(position, forward.xyz), 1e-3);
-  vec3 direction = position / depth;
-  vec3 step_dir = axis * right.w;
-  float facing = dot(normal, direction);
-  facing = abs(facing) < 1e-4 ? (facing < 0.0 ? -1e-4 : 1e-4) : facing;
-  return depth * (step_dir - direction * (dot(normal, step_dir) / facing));
-}

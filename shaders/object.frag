@@ -43,6 +43,45 @@ ObjectRay ray_at(vec2 pixel, ObjectShape shape) {
   return r;
 }
 
+struct ObjectSite {
+  vec3 p;    // in the shape's frame
+  int face;
+};
+
+vec3 in_shape(vec3 v) {
+  return vec3(dot(vec3(objects[index].inverse[0].xyz), v), dot(vec3(objects[index].inverse[1].xyz), v),
+              dot(vec3(objects[index].inverse[2].xyz), v));
+}
+
+vec3 object_normal(ObjectSite site, vec3 offset) {
+  vec3 slope = NAME_NORMAL(site.p + in_shape(offset), site.face, object_shape(objects[index]));
+  return normalize(vec3(objects[index].inverse[0].xyz) * slope.x + vec3(objects[index].inverse[1].xyz) * slope.y +
+                   vec3(objects[index].inverse[2].xyz) * slope.z);
+}
+
+vec2 object_uv(ObjectSite site, vec3 offset) {
+  return NAME_UV(site.p + in_shape(offset), site.face, object_shape(objects[index]));
+}
+
+// Of a solid every second hit leaves it.
+bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
+  next = site;
+  ObjectShape shape = object_shape(objects[index]);
+  if ((shape.flags & OBJECT_SOLID) == 0) return false;
+  vec3 d = in_shape(direction);
+  // Face 0 is where the value is 0; the others are cuts.
+  ObjectHits hits = NAME_HITS(site.p, d, site.face == 0 ? 0.0 : NAME_VALUE(site.p, shape), shape);
+  // Shapes are about 1 large.
+  float least = 1e-4 * inversesqrt(dot(d, d));
+  for (int i = 1; i < 4; i += 2) {
+    if (i >= hits.count || hits.k[i] < least) continue;
+    next.p = site.p + d * hits.k[i];
+    next.face = hits.face[i];
+    return true;
+  }
+  return false;
+}
+
 #include "object_light.glsl"
 
 // Which samples of the pixel the object covers: the surface is shaded once, its outline is taken at each of them.
@@ -123,11 +162,10 @@ void main() {
 #else
   ObjectPoint point;
   point.position = direction * depth;
-  point.normal = dot(normal, direction) > 0.0 ? -normal : normal;
-  point.uv = NAME_UV(p, face, shape);
+  point.normal = normal;
   point.material = floatBitsToUint(object.axes[1].w);
   point.tint = vec3(1.0);
-  out_color = vec4(frame_tone(object_light(point)), 1.0);
+  out_color = vec4(frame_tone(object_light(point, ObjectSite(p, face))), 1.0);
 #endif
 #ifndef IN_TEXTURE_SPACE
   gl_FragDepth = min(forward.w / max(depth, forward.w), gl_FragCoord.z);

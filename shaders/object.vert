@@ -45,7 +45,7 @@ void main() {
   vec3 corner = in_corner;
   index = in_index;
   float pixel = float(view_size.z);
-  float near = float(view_size.w);
+  float near = forward.w;
 
   // The eye in the object's frame.
   dvec3 eye_exact = -dvec3(dot(object.inverse[0].xyz, from_eye), dot(object.inverse[1].xyz, from_eye),

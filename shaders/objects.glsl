@@ -12,7 +12,7 @@ layout(std140, binding = 1) uniform ObjectView {
   dvec4 view_right;    // unit axes; w: the eye, ENU, m: x
   dvec4 view_up;       // y
   dvec4 view_forward;  // z
-  dvec4 view_size;     // half the picture's size in pixels, x and y; a pixel's size at distance 1; near plane, m
+  dvec4 view_size;     // half the picture's size in pixels, x and y; a pixel's size at distance 1, and its inverse
 };
 
 // As roadgen/render/object_batch.cc writes it.

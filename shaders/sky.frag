@@ -1,7 +1,8 @@
-// Sky, sun and a few high clouds.
+// Sky, sun and a few high clouds; with PANORAMA, what the environment shows.
 #include "lib/noise.glsl"
 #include "frame.glsl"
 #include "outputs.glsl"
+#include "environment.glsl"
 
 in vec3 direction;
 
@@ -10,6 +11,8 @@ void main() {
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
   out_normal = vec4(0.0);
   out_label = vec2(0.0);
+#elif defined(PANORAMA)
+  out_color = vec4(frame_tone(environment_mirrored(normalize(direction), 0.0, right.w)), 1.0);
 #else
   vec3 d = normalize(direction);
   float toward = dot(d, sun.xyz);

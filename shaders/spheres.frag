@@ -4,9 +4,12 @@
 #include "spheres.glsl"
 
 flat in uint sphere_index;
-flat in vec4 origin;
-flat in vec3 ahead;
 flat in vec4 place;
+#ifdef NEAR
+flat in vec4 eye;
+#else
+flat in vec2 ahead;
+#endif
 #ifdef IN_PLANE
 in vec2 in_plane;
 #endif
@@ -17,17 +20,23 @@ layout(location = 40) uniform vec2 sample_places[SAMPLES];  // from the pixel's 
 layout(depth_less) out float gl_FragDepth;
 layout(location = 0) out uint out_index;  // 1 + index
 
+float first_at(vec2 pixel) {
+#ifdef NEAR
+  return sphere_first_near(pixel, eye, place.w, forward.w, false);
+#else
+  return sphere_first_far(pixel, place, ahead, forward.w, false);
+#endif
+}
+
 void main() {
 #if defined(IN_PLANE) && SAMPLES == 1
   if (dot(in_plane, in_plane) > 1.0) discard;
 #endif
-  float least = forward.w - place.z;
-  bool far = place.z > 0.0;
-  float k = sphere_first(sphere_ray(gl_FragCoord.xy, origin, ahead, place), origin.w, far, least);
+  float k = first_at(gl_FragCoord.xy);
 #if SAMPLES > 1
   int mask = 0;
   for (int i = 0; i < SAMPLES; ++i) {
-    float met = sphere_first(sphere_ray(gl_FragCoord.xy + sample_places[i], origin, ahead, place), origin.w, far, least);
+    float met = first_at(gl_FragCoord.xy + sample_places[i]);
     if (met == OBJECT_FAR) continue;
     mask |= 1 << i;
     // The centre is not on the sphere: the depth of the first sample that is.
@@ -37,5 +46,5 @@ void main() {
 #endif
   if (k == OBJECT_FAR) discard;
   out_index = sphere_index + 1u;
-  gl_FragDepth = min(forward.w / max(place.z + k, forward.w), gl_FragCoord.z);
+  gl_FragDepth = forward.w / (place.z + k);
 }

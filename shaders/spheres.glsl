@@ -8,59 +8,60 @@ layout(std430, binding = 3) readonly buffer Spheres { vec4 spheres[]; };        
 layout(std430, binding = 4) readonly buffer SphereColors { uvec2 sphere_colors[]; };  // colour; number within the set
 layout(location = 0) uniform dvec3 set_from_eye;                                       // the origin, in the view's axes
 
+// In the view's axes, from the eye.
+dvec3 sphere_center(vec4 sphere) {
+  dvec3 p = dvec3(sphere.xyz);
+  return set_from_eye + dvec3(dot(view_right.xyz, p), dot(view_up.xyz, p), dot(view_forward.xyz, p));
+}
+
+// Whether the eye is so near, or the centre so far aside, that rays are counted from the eye, not from the centre's depth.
+bool sphere_is_near(vec3 center, float radius) {
+  return dot(center, center) <= 9.0 * radius * radius || center.z <= radius;
+}
+
+// Rays counted from the depth of the centre: o + k d with d = (ahead + a, 1 / r), o = (a depth, 0), a the distance in pixels
+// from the centre's image, in the sphere's units at depth 1.
 struct SphereView {
-  dvec3 center;  // in the view's axes, from the eye
-  vec4 origin;   // of the rays, in the sphere's frame; w: the sphere's value there
-  vec3 ahead;    // a ray's direction is ahead + (pixels from place, 0) * pixel / radius
-  vec4 place;    // xy: pixels; z: depth of the rays' origin, 0 where that is the eye; w: 1 / radius
+  vec4 place;  // xy: the centre's image, pixels; z: its depth, m; w: 1 / radius
+  vec2 ahead;
+  vec2 slope;  // the centre's image at depth 1
 };
 
-SphereView sphere_view(vec4 sphere) {
+SphereView sphere_view(dvec3 center, float radius) {
+  dvec2 slope = center.xy * (1.0lf / center.z);
   SphereView v;
-  dvec3 p = dvec3(sphere.xyz);
-  v.center = set_from_eye + dvec3(dot(view_right.xyz, p), dot(view_up.xyz, p), dot(view_forward.xyz, p));
-  float part = 1.0 / sphere.w;
-  vec3 center = vec3(v.center);
-  vec3 eye = -center * part;
-  bool far = dot(eye, eye) > 9.0 && center.z > sphere.w;
-  dvec2 base = far ? v.center.xy / (v.center.z * view_size.z) : dvec2(0.0);
-  v.place = vec4(vec2(base + view_size.xy), far ? center.z : 0.0, part);
-  v.ahead = vec3(vec2(base * view_size.z), 1.0) * part;
-  v.origin = vec4(0.0);
-  if (!far) {
-    dvec3 exact = v.center / double(sphere.w);
-    v.origin = vec4(eye, float(dot(exact, exact) - 1.0lf));
-  }
+  v.place = vec4(vec2(slope * view_size.w + view_size.xy), float(center.z), 1.0 / radius);
+  v.slope = vec2(slope);
+  v.ahead = v.slope * v.place.w;
   return v;
 }
 
-// A ray of the pixel; its point nearest to the centre is at k = k_nearest; half2: of the chord, squared, in radii.
-struct SphereRay {
-  vec3 o;
-  vec3 d;
-  float per_a;  // 1 / d^2
-  float k_nearest;
-  float half2;
-};
-
-SphereRay sphere_ray(vec2 pixel, vec4 origin, vec3 ahead, vec4 place) {
+// k of the front, or of the back where the near plane cuts the front off; OBJECT_FAR where the ray passes. clamped: then that
+// of the place nearest to the centre.
+float sphere_first_far(vec2 pixel, vec4 place, vec2 ahead, float near, bool clamped) {
   vec2 at = (pixel - place.xy) * (right.w * place.w);
-  SphereRay r;
-  r.o = origin.xyz + vec3(at * place.z, 0.0);
-  r.d = ahead + vec3(at, 0.0);
-  r.per_a = 1.0 / dot(r.d, r.d);
-  r.k_nearest = -dot(r.o, r.d) * r.per_a;
-  vec3 nearest = r.o + r.d * r.k_nearest;
-  r.half2 = 1.0 - dot(nearest, nearest);
-  return r;
+  vec2 o = at * place.z;
+  vec3 d = vec3(ahead + at, place.w);
+  float per_a = 1.0 / dot(d, d);
+  float middle = -(o.x * d.x + o.y * d.y) * per_a;
+  vec3 nearest = vec3(o + d.xy * middle, d.z * middle);
+  float half2 = 1.0 - dot(nearest, nearest);
+  float half_ = sqrt(max(half2, 0.0) * per_a);
+  float k = place.z + middle - half_ >= near ? middle - half_ : middle + half_;
+  return (half2 >= 0.0 || clamped) && place.z + k >= near ? k : OBJECT_FAR;
 }
 
-// Where the ray first meets the sphere beyond the near plane; OBJECT_FAR where it does not. From afar both roots are
-// plain; an eye near the sphere needs the value there, in double.
-float sphere_first(SphereRay r, float at_eye, bool far, float least) {
-  float half_ = sqrt(max(r.half2, 0.0) * r.per_a);
-  vec2 k = vec2(r.k_nearest - half_, r.k_nearest + half_);
-  if (!far) k = object_roots(1.0 / r.per_a, dot(r.o, r.d), at_eye, half_ / r.per_a);
-  float first = k.x >= least ? k.x : k.y;
-  return r.half2 >= 0.0 && first >= least ? first : OBJECT_FAR;
+// The same of rays that are counted from the eye. eye: in the sphere's frame; w: the sphere's value there, from double.
+float sphere_first_near(vec2 pixel, vec4 eye, float per_radius, float near, bool clamped) {
+  vec3 d = vec3((pixel - vec2(view_size.xy)) * right.w, 1.0) * per_radius;
+  float a = dot(d, d);
+  float half2 = sphere_chord2(eye.xyz, d);
+  vec2 k = object_roots(a, dot(eye.xyz, d), eye.w, sqrt(max(half2, 0.0) * a));
+  float first = k.x >= near ? k.x : k.y;
+  return (half2 >= 0.0 || clamped) && first >= near ? first : OBJECT_FAR;
+}
+
+vec4 sphere_eye(dvec3 center, float radius) {
+  dvec3 eye = center * (-1.0lf / double(radius));
+  return vec4(vec3(eye), float(dot(eye, eye) - 1.0lf));
 }

@@ -2,7 +2,6 @@
 #include "frame.glsl"
 #include "spheres.glsl"
 #include "outputs.glsl"
-#include "object_light.glsl"
 
 #if SAMPLES > 1
 layout(binding = 4) uniform usampler2DMS seen;
@@ -22,31 +21,63 @@ struct SpherePoint {
 
 // Requires: spheres[index] is met by the ray there, or passed within rounding.
 SpherePoint sphere_point(uint index, vec2 pixel) {
-  SphereView v = sphere_view(spheres[index]);
-  SphereRay r = sphere_ray(pixel, v.origin, v.ahead, v.place);
-  float k = sphere_first(r, v.origin.w, v.place.z > 0.0, forward.w - v.place.z);
-  if (k == OBJECT_FAR) k = r.k_nearest;
-  vec3 p = r.o + r.d * k;
+  vec4 sphere = spheres[index];
+  dvec3 center = sphere_center(sphere);
+  vec3 c = vec3(center);
+  float per_radius = 1.0 / sphere.w;
   vec2 from_middle = (pixel - vec2(view_size.xy)) * right.w;
+  float depth;
+  vec3 p;  // on the unit sphere, in the view's axes
+  if (sphere_is_near(c, sphere.w)) {
+    vec4 eye = sphere_eye(center, sphere.w);
+    depth = sphere_first_near(pixel, eye, per_radius, forward.w, true);
+    p = eye.xyz + vec3(from_middle, 1.0) * (depth * per_radius);
+  } else {
+    SphereView v = sphere_view(center, sphere.w);
+    float k = sphere_first_far(pixel, v.place, v.ahead, forward.w, true);
+    depth = c.z + k;
+    // From the centre: the ray's place at the centre's depth, and on from there.
+    vec2 aside = (pixel - v.place.xy) * (right.w * c.z);
+    p = vec3(aside + from_middle * k, k) * per_radius;
+  }
   SpherePoint s;
   s.direction = forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
-  s.position = s.direction * (v.place.z + k);
+  s.position = s.direction * depth;
   s.local = right.xyz * p.x + up.xyz * p.y + forward.xyz * p.z;
   s.normal = normalize(s.local);
   return s;
 }
+
+struct ObjectSite {
+  vec3 p;  // on the unit sphere, in ENU
+  float part;  // 1 / radius
+};
+
+vec3 object_normal(ObjectSite site, vec3 offset) { return normalize(site.p + offset * site.part); }
+
+vec2 object_uv(ObjectSite site, vec3 offset) {
+  ObjectShape none = ObjectShape(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0);
+  return sphere_uv(normalize(site.p + offset * site.part), 0, none);
+}
+
+bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
+  next = site;
+  next.p -= direction * (2.0 * dot(site.p, direction));
+  return true;
+}
+
+#include "object_light.glsl"
 
 #ifndef CHANNELS
 vec3 sphere_light(uint index, vec2 pixel) {
   SpherePoint s = sphere_point(index, pixel);
   ObjectPoint p;
   p.position = s.position;
-  p.normal = dot(s.normal, s.direction) > 0.0 ? -s.normal : s.normal;
-  p.uv = sphere_uv(s.local, 0, object_solid());
+  p.normal = s.normal;
   p.material = set_material;
   vec3 color = unpackUnorm4x8(sphere_colors[index].x).rgb;
   p.tint = color * color;
-  return object_light(p);
+  return object_light(p, ObjectSite(s.normal, 1.0 / spheres[index].w));
 }
 #endif
 

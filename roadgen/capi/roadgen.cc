@@ -13,7 +13,10 @@
 #include <vector>
 
 #include "roadgen/import/opendrive.h"
+#include "roadgen/import/scene_file.h"
 #include "roadgen/query/road_index.h"
+#include "roadgen/render/panorama.h"
+#include "roadgen/render/placement.h"
 #include "roadgen/render/renderer.h"
 #include "terrain/terrain.h"
 
@@ -233,6 +236,35 @@ roadgen_status roadgen_set_camera(roadgen_renderer* renderer, const roadgen_came
   renderer->camera.fov_deg = camera->fov_deg;
   renderer->camera.far_m = camera->far_m > 0 ? camera->far_m : std::numeric_limits<double>::infinity();
   return ROADGEN_OK;
+}
+
+roadgen_status roadgen_set_props(roadgen_renderer* renderer, const roadgen_network* network, const char* path,
+                                 const char* json) {
+  if (!renderer) return fail(ROADGEN_USAGE_ERROR, "renderer must not be NULL");
+  return guarded([&] {
+    roadgen::SceneFile file;
+    if (path || json) {
+      auto read = json ? roadgen::parse_scene(json, path ? path : "props.json") : roadgen::read_scene(path);
+      if (!read) return fail(read.error());
+      file = std::move(*read);
+    }
+    if (!file.placements.empty()) {
+      if (!network) return fail(ROADGEN_USAGE_ERROR, "network must not be NULL: objects stand on its roads");
+      if (auto s = roadgen::place_on_roads(file.placements, network->index, file.scene); !s) return fail(s.error());
+    }
+    if (auto s = renderer->renderer->load_objects(file.scene); !s) return fail(s.error());
+    return ROADGEN_OK;
+  });
+}
+
+roadgen_status roadgen_set_environment(roadgen_renderer* renderer, const char* path) {
+  if (!renderer || !path) return fail(ROADGEN_USAGE_ERROR, "a pointer is NULL");
+  return guarded([&] {
+    const auto panorama = roadgen::read_panorama(path);
+    if (!panorama) return fail(panorama.error());
+    if (auto s = renderer->renderer->load_environment(*panorama); !s) return fail(s.error());
+    return ROADGEN_OK;
+  });
 }
 
 roadgen_status roadgen_render(roadgen_renderer* renderer, int width, int height, uint8_t* color, float* depth_m) {

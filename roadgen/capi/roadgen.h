@@ -125,6 +125,16 @@ ROADGEN_API void roadgen_renderer_free(roadgen_renderer* renderer);
 
 ROADGEN_API roadgen_status roadgen_set_camera(roadgen_renderer* renderer, const roadgen_camera* camera);
 
+/* Replaces the objects beside the roads by those of a scene: of the file `path`, or of the text `json`, of which `path` is
+ * then the name, for errors and for the folder in which other files are sought (may be NULL: the current one). Both NULL: no
+ * objects. Schema: README, "Scene files". network: on whose roads objects with a place stand, the renderer's; may be NULL
+ * where none has one. On an error the objects are as they were, and the last error names line and path of the fault. */
+ROADGEN_API roadgen_status roadgen_set_props(roadgen_renderer* renderer, const roadgen_network* network,
+                                             const char* path, const char* json);
+
+/* What objects mirror and the picture's sky: a panorama, .exr or .hdr. */
+ROADGEN_API roadgen_status roadgen_set_environment(roadgen_renderer* renderer, const char* path);
+
 /* Renders width x height pixels into the caller's memory, rows from the top left. color: RGBA, 4 bytes a pixel, sRGB;
  * depth_m: one float a pixel, distance along the view axis in metres, +inf where nothing is. Either may be NULL. */
 ROADGEN_API roadgen_status roadgen_render(roadgen_renderer* renderer, int width, int height, uint8_t* color,

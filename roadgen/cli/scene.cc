@@ -10,6 +10,11 @@
 
 #include "roadgen/cli/command.h"
 #include "roadgen/export/atomic_file.h"
+#include "roadgen/import/scene_file.h"
+#include "roadgen/query/road_index.h"
+#include "roadgen/render/panorama.h"
+#include "roadgen/render/placement.h"
+#include "terrain/terrain.h"
 #include "terrain/terrain_file.h"
 
 namespace roadgen::cli {
@@ -23,6 +28,9 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
   app.add_option(
       "--ground-cache", options.ground_cache_path,
       "File that keeps the ground for the next time; written where it is missing, of other inputs or damaged");
+  app.add_option("--scene", options.props_path, "Scene file of objects, props.json: see README. Default: none");
+  app.add_option("--environment", options.environment_path,
+                 "Panorama, .exr or .hdr, that objects mirror and that is the sky. Default: the procedural sky");
   app.add_option("--context", options.context, "osmesa, egl or window. Default: osmesa");
   app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
 }
@@ -49,6 +57,16 @@ Result<Terrain> ground_of(const SceneOptions& options, const Network& network, c
   return built;
 }
 
+// The objects of the scene file, those with a place on a road on it.
+Result<ObjectScene> read_props(const std::string& path, const Network& network) {
+  auto read = read_scene(path);
+  if (!read) return read.error();
+  if (!read->placements.empty()) {
+    if (Status s = place_on_roads(read->placements, RoadIndex(network), read->scene); !s) return s.error();
+  }
+  return std::move(read->scene);
+}
+
 }  // namespace
 
 Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
@@ -58,6 +76,18 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   const auto encoding = height_encoding_from_name(options.dem_encoding);
   if (!encoding) return encoding.error();
   // Before the terrain, which takes longer and needs no context.
+  std::optional<ObjectScene> props;
+  if (!options.props_path.empty()) {
+    auto read = read_props(options.props_path, network);
+    if (!read) return read.error();
+    props.emplace(std::move(*read));
+  }
+  std::optional<ImageF> panorama;
+  if (!options.environment_path.empty()) {
+    auto read = read_panorama(options.environment_path);
+    if (!read) return read.error();
+    panorama.emplace(std::move(*read));
+  }
   auto context = Context::create({.kind = *kind,
                                   .egl_device = options.egl_device,
                                   .width = options.width,
@@ -86,6 +116,12 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   scene.renderer.emplace(std::move(*renderer));
   if (Status s = scene.renderer->load_roads(network); !s) return s.error();
   if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
+  if (props) {
+    if (Status s = scene.renderer->load_objects(*props); !s) return s.error();
+  }
+  if (panorama) {
+    if (Status s = scene.renderer->load_environment(*panorama); !s) return s.error();
+  }
   const TerrainReport& report = terrain->report();
   std::fprintf(stderr, "terrain: %zu triangles, clearance under the roads %.3f to %.3f m, %zu voids filled, %.1f s\n",
                report.triangles, report.clearance_min_m, report.clearance_max_m, report.voids_filled, report.seconds);

@@ -21,6 +21,8 @@ struct SceneOptions {
   std::string dem_path;  // empty: ground from the roads' own heights
   std::string dem_encoding = "heights";
   std::string ground_cache_path;  // empty: the ground is built every time
+  std::string props_path;         // a scene file of objects; empty: none
+  std::string environment_path;   // a panorama; empty: the procedural sky
   std::string context = "osmesa";
   int egl_device = -1;
   int width = 1280, height = 720;

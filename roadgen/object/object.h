@@ -151,7 +151,7 @@ const char* quadric_type_name(QuadricType type);
 // What light does on a surface. Colours are linear.
 struct ObjectMaterial {
   enum class Model { kMetalRoughness, kPhong };
-  std::string name;
+  std::string name = {};
   Model model = Model::kMetalRoughness;
   glm::vec3 base_color{0.5f, 0.5f, 0.5f};  // in [0, 1]
   float metallic = 0, roughness = 0.6f;    // kMetalRoughness, in [0, 1]; as in glTF 2.0
@@ -160,7 +160,7 @@ struct ObjectMaterial {
   float reflection = 0;                    // part of the mirrored environment that is added, in [0, 1]
   float transmission = 0;                  // part of the light that goes through, in [0, 1]
   float ior = 1.5f;                        // index of refraction, in [1, 4]
-  std::string texture_file;                // multiplies base_color by uv; empty: none
+  std::string texture_file = {};                // multiplies base_color by uv; empty: none
 };
 
 struct Object {

@@ -15,6 +15,8 @@
 #include <glm/vec4.hpp>
 
 #include "roadgen/render/object_proxy.h"
+#include "roadgen/render/object_textures.h"
+#include "roadgen/render/sun_grid.h"
 
 namespace roadgen {
 namespace {
@@ -53,12 +55,15 @@ ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t numbe
   return i;
 }
 
-MaterialInstance instance(const ObjectMaterial& m) {
+constexpr GLuint kTextureUnit = 8;  // as shaders/object_light.glsl says
+
+// layer: 1 + that of its texture, 0: none.
+MaterialInstance instance(const ObjectMaterial& m, int layer) {
   MaterialInstance i;
   i.base = glm::vec4(m.base_color, m.model == ObjectMaterial::Model::kPhong ? 1.0f : 0.0f);
   i.surface = glm::vec4(m.metallic, m.roughness, m.reflection, m.transmission);
   i.specular = glm::vec4(m.specular, m.shininess);
-  i.more = glm::vec4(m.ior, 0, 0, 0);
+  i.more = glm::vec4(m.ior, static_cast<float>(layer), 0, 0);
   return i;
 }
 
@@ -91,9 +96,10 @@ Status check_fits(std::size_t bytes) {
 
 }  // namespace
 
-Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& options) {
+Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& options, unsigned shadow_kinds) {
   *this = {};
   options_ = options;
+  shadow_kinds_ = shadow_kinds;
   std::array<std::vector<std::uint32_t>, 16> members;
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
     members[static_cast<std::size_t>(primitive(scene.objects[i]).kind)].push_back(i);
@@ -103,13 +109,19 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
     if (of_kind.empty()) continue;
     if (Status s = add_kind(row.kind, scene, of_kind); !s) return s;
   }
-  if (Status s = spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options); !s) return s;
+  if (Status s = spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options, shadow_kinds); !s)
+    return s;
   statistics_.spheres = spheres_.spheres();
   if (empty()) return Done{};
   view_uniforms_ = gl::Buffer::with_data(sizeof(ViewUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
   std::vector<MaterialInstance> materials;
-  for (const ObjectMaterial& material : scene.materials) materials.push_back(instance(material));
-  if (materials.empty()) materials.push_back(instance(ObjectMaterial{}));
+  auto textures = load_textures(scene.materials);
+  if (!textures) return textures.error();
+  textures_ = std::move(textures->layers);
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    materials.push_back(instance(scene.materials[i], textures->layer_of[i]));
+  }
+  if (materials.empty()) materials.push_back(instance(ObjectMaterial{}, 0));
   materials_ = buffer_of(materials);
   return Done{};
 }
@@ -173,6 +185,7 @@ Result<const Program*> ObjectBatch::program(const PrimitiveRow& row, const Objec
        ""});
   if (options_.texture_space && (row.flat || (round && !options_.rectangle))) defines.push_back({"IN_PLANE", ""});
   if (view.channels) defines.push_back({"CHANNELS", ""});
+  if (!view.channels) add_shadows(defines, shadow_kinds_);
   auto made = Program::graphics("object.vert", "object.frag", defines);
   if (!made) return made.error();
   return &programs_.emplace(key, std::move(*made)).first->second;
@@ -209,10 +222,11 @@ Status ObjectBatch::draw(const ObjectView& view) {
   const double pixel = 2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360) / view.height;
   const ViewUniforms uniforms = {glm::dvec4(axes.right, eye.x), glm::dvec4(axes.up, eye.y),
                                  glm::dvec4(axes.forward, eye.z),
-                                 glm::dvec4(0.5 * view.width, 0.5 * view.height, pixel, view.camera.near_m)};
+                                 glm::dvec4(0.5 * view.width, 0.5 * view.height, pixel, 1 / pixel)};
   glNamedBufferSubData(view_uniforms_.id(), 0, sizeof uniforms, &uniforms);
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, view_uniforms_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, materials_.id());
+  if (textures_) glBindTextureUnit(kTextureUnit, textures_.id());
   std::vector<glm::vec2> samples(static_cast<std::size_t>(view.samples));
   for (GLuint i = 0; view.samples > 1 && i < samples.size(); ++i) {
     glGetMultisamplefv(GL_SAMPLE_POSITION, i, &samples[i].x);

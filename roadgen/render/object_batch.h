@@ -20,9 +20,9 @@ namespace roadgen {
 
 class ObjectBatch {
  public:
-  // Replaces the objects. Requires: a scene that check() passes. Cost: O(n log n); 228 bytes an object; spheres: SphereBatch.
+  // Replaces the objects. shadow_kinds: SunGrid::kinds(). Requires: a scene that check() passes. Cost: O(n log n); 228 bytes an object; spheres: SphereBatch.
   // Errors: kShader; kData: more than the driver's buffers hold.
-  Status upload(const ObjectScene& scene, const ObjectOptions& options);
+  Status upload(const ObjectScene& scene, const ObjectOptions& options, unsigned shadow_kinds);
   bool empty() const { return kinds_.empty() && spheres_.empty(); }
   const ObjectStatistics& statistics() const { return statistics_; }
 
@@ -44,9 +44,11 @@ class ObjectBatch {
   void draw_kind(const Kind& kind, const ObjectView& view, const Program& program);
 
   ObjectOptions options_;
+  unsigned shadow_kinds_ = 0;
   std::vector<Kind> kinds_;
   std::map<std::string, Program> programs_;
   gl::Buffer view_uniforms_, materials_;
+  gl::Texture textures_;
   SphereBatch spheres_;
   ObjectStatistics statistics_;
 };

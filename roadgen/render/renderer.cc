@@ -12,6 +12,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "roadgen/render/environment.h"
 #include "roadgen/render/frustum.h"
 #include "roadgen/render/gl.h"
 #include "roadgen/render/ground_batch.h"
@@ -20,6 +21,7 @@
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/road_tiles.h"
+#include "roadgen/render/sun_grid.h"
 #include "roadgen/render/sweep_batch.h"
 
 namespace roadgen {
@@ -35,7 +37,7 @@ static_assert(sizeof(FrameUniforms) == 64 + 8 * 16);
 // Materials go by height within the ground's relief; hills lower than this stay green.
 constexpr double kLeastRelief_m = 600;
 
-glm::vec3 direction(double azimuth_deg, double elevation_deg) {
+glm::dvec3 direction(double azimuth_deg, double elevation_deg) {
   const double azimuth = azimuth_deg * std::numbers::pi / 180, elevation = elevation_deg * std::numbers::pi / 180;
   return glm::dvec3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                     std::sin(elevation));
@@ -124,6 +126,12 @@ struct Renderer::State {
   ObjectBatch objects;
   std::uint32_t first_object = 1;  // of the instance channel
   Lighting lighting;
+  SunGrid sun_grid;
+  unsigned shadow_kinds = 0;  // for which picture is compiled
+  Environment environment;
+  bool has_panorama = false;     // else the environment is the sky's, or none yet
+  glm::vec3 environment_sun{0};  // under which it is that
+  Program panorama_sky;
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
@@ -132,6 +140,7 @@ struct Renderer::State {
                     double least_contribution, double ground_error_pixels);
   Status draw_picture(const Camera& camera, int width, int height, int samples);
   void show_ground_to_roads();
+  Status light_objects(glm::dvec3 eye_m);
   Status draw_channels(const Camera& camera, int width, int height);
 };
 
@@ -149,8 +158,7 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   u.forward = glm::dvec4(axes.forward, camera.near_m);
   u.right = glm::dvec4(axes.right, pixel);
   u.up = glm::dvec4(axes.up, std::min<double>(camera.far_m, std::numeric_limits<float>::max()));
-  u.sun = glm::vec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg),
-                    static_cast<float>(lighting.haze_range_m));
+  u.sun = glm::dvec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg), lighting.haze_range_m);
   u.ground = glm::dvec4(ground.low_m() - camera.position_m.z,
                         1 / std::max(kLeastRelief_m, ground.high_m() - ground.low_m()), 0, 0);
   glNamedBufferSubData(frame_uniforms.id(), 0, sizeof u, &u);
@@ -160,6 +168,9 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
 Status Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
                                    double least_contribution, double ground_error_pixels) {
   upload_frame(camera, width, height);
+  if (&programs == &picture) {
+    if (Status s = light_objects(camera.position_m); !s) return s;
+  }
   glViewport(0, 0, width, height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glEnable(GL_DEPTH_TEST);
@@ -182,7 +193,7 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   if (blended) glEnable(GL_BLEND);
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
-  programs.sky.use();
+  (has_panorama && &programs == &picture ? panorama_sky : programs.sky).use();
   glBindVertexArray(empty.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDepthMask(GL_TRUE);
@@ -202,6 +213,21 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   glBindVertexArray(0);
   glUseProgram(0);
   return Done{};
+}
+
+// Only scenes with objects pay for an environment.
+Status Renderer::State::light_objects(glm::dvec3 eye_m) {
+  if (objects.empty() && !has_panorama) return Done{};
+  const glm::vec3 toward_sun = direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg);
+  if (!environment || (!has_panorama && environment_sun != toward_sun)) {
+    auto made = Environment::of_sky(toward_sun);
+    if (!made) return made.error();
+    environment = std::move(*made);
+    environment_sun = toward_sun;
+  }
+  environment.bind();
+  if (sun_grid.empty()) return Done{};
+  return sun_grid.bind(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg), eye_m);
 }
 
 // What pixels of roads cost is in finding them: those behind the ground had better be known before.
@@ -334,7 +360,38 @@ Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& opt
     return Error{ErrorCode::kData, fault.message, fault.file, fault.line, fault.element};
   }
   if (Status s = state_->context.make_current(); !s) return s;
-  return state_->objects.upload(scene, options);
+  State& state = *state_;
+  SunGrid sun_grid;
+  if (Status s = sun_grid.upload(options.shadows ? scene : ObjectScene{}); !s) return s;
+  ObjectBatch objects;
+  if (Status s = objects.upload(scene, options, sun_grid.kinds()); !s) return s;
+  // Roads without objects pay nothing for shadows.
+  if (sun_grid.kinds() != state.shadow_kinds) {
+    ShaderDefines defines;
+    add_shadows(defines, sun_grid.kinds());
+    auto picture = compile(defines);
+    if (!picture) return picture.error();
+    state.picture = std::move(*picture);
+    state.shadow_kinds = sun_grid.kinds();
+  }
+  state.sun_grid = std::move(sun_grid);
+  state.objects = std::move(objects);
+  return Done{};
+}
+
+Status Renderer::load_environment(const ImageF& panorama) {
+  if (panorama.channels != 3 || panorama.width < 1 || panorama.height < 1) {
+    return Error{ErrorCode::kData, "a panorama must have pixels of three channels"};
+  }
+  if (Status s = state_->context.make_current(); !s) return s;
+  auto made = Environment::of_panorama(panorama);
+  if (!made) return made.error();
+  auto sky = Program::graphics("sky.vert", "sky.frag", {{"PANORAMA", ""}});
+  if (!sky) return sky.error();
+  state_->environment = std::move(*made);
+  state_->panorama_sky = std::move(*sky);
+  state_->has_panorama = true;
+  return Done{};
 }
 
 ObjectStatistics Renderer::object_statistics() const { return state_->objects.statistics(); }

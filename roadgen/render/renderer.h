@@ -95,6 +95,8 @@ struct ObjectOptions {
   // Spheres of sets that nothing is seen of are found on the CPU and not drawn; about 50 ns a sphere, which a GPU may
   // spend better itself.
   bool occlusion = true;
+  // The sun's shadows of objects on roads, ground and each other.
+  bool shadows = true;
 };
 
 struct ObjectStatistics {
@@ -123,11 +125,15 @@ class Renderer {
   // where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
-  // Replaces the objects. Cost: O(n log n), n objects and spheres.
+  // Replaces the objects; on an error they are as they were. Cost: O(n log n), n objects and spheres.
   // Errors: kData with the object, for the first that check() finds or where the GPU has no room; kUsage: an option out of
   // its range; kShader.
   Status load_objects(const ObjectScene& scene, const ObjectOptions& options = {});
   ObjectStatistics object_statistics() const;
+  // What objects mirror, are lit by beside the sun, and let through; and the picture's sky: an image as read_panorama gives
+  // it (roadgen/render/panorama.h), or by default the procedural sky. Roads and ground keep the light of that.
+  // Errors: kData: not three channels, or no pixels; kShader.
+  Status load_environment(const ImageF& panorama);
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 124;
   RoadStatistics road_statistics() const;

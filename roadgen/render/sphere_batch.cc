@@ -13,6 +13,7 @@
 #include <glm/vec2.hpp>
 
 #include "roadgen/render/object_proxy.h"
+#include "roadgen/render/sun_grid.h"
 
 namespace roadgen {
 namespace {
@@ -29,9 +30,11 @@ gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
 
 }  // namespace
 
-Status SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options) {
+Status SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
+                           unsigned shadow_kinds) {
   *this = {};
   options_ = options;
+  shadow_kinds_ = shadow_kinds;
   for (const SphereSet& set : scene.sphere_sets) {
     if (!set.items.empty()) {
       if (Status s = add(set, first_instance); !s) return s;
@@ -90,16 +93,24 @@ Result<SphereBatch::Programs*> SphereBatch::programs(const ObjectView& view) {
   ShaderDefines defines = {{"SAMPLES", std::to_string(view.samples)}, {"CORNERS", std::to_string(corners())}};
   if (options_.rectangle) defines.push_back({"PROXY_RECTANGLE", ""});
   if (options_.texture_space && !options_.rectangle) defines.push_back({"IN_PLANE", ""});
-  auto index = Program::graphics("spheres.vert", "spheres.frag", defines);
-  if (!index) return index.error();
-  if (!options_.rectangle) {
+  const auto index_program = [&] {
+    auto made = Program::graphics("spheres.vert", "spheres.frag", defines);
+    if (!made || options_.rectangle) return made;
     const std::vector<glm::vec3> around = proxy_mesh(Proxy::kRound, corners()).corners;
-    for (GLint i = 0; i < corners(); ++i) glProgramUniform2f(index->id(), 3 + i, around[i].x, around[i].y);
-  }
+    for (GLint i = 0; i < corners(); ++i) glProgramUniform2f(made->id(), 3 + i, around[i].x, around[i].y);
+    return made;
+  };
+  auto index = index_program();
+  if (!index) return index.error();
+  defines.push_back({"NEAR", ""});
+  auto index_near = index_program();
+  if (!index_near) return index_near.error();
+  defines.pop_back();
   if (view.channels) defines.push_back({"CHANNELS", ""});
+  if (!view.channels) add_shadows(defines, shadow_kinds_);
   auto light = Program::graphics("sky.vert", "spheres_light.frag", defines);
   if (!light) return light.error();
-  programs_.push_back({view.channels, view.samples, std::move(*index), std::move(*light)});
+  programs_.push_back({view.channels, view.samples, std::move(*index), std::move(*index_near), std::move(*light)});
   return &programs_.back();
 }
 
@@ -122,32 +133,64 @@ Status SphereBatch::ensure_target(const ObjectView& view) {
   return Error{ErrorCode::kContext, "this driver cannot draw the indices of spheres with that many samples"};
 }
 
-std::vector<std::uint32_t> SphereBatch::choose(const Set& set, const ObjectView& view) {
-  std::vector<std::uint32_t> seen;
+std::size_t SphereBatch::choose(const Set& set, const ObjectView& view) {
+  seen_.clear();
   const ViewAxes axes = view_axes(view.camera);
   const glm::dmat3 in_view = glm::transpose(glm::dmat3(axes.right, axes.up, axes.forward));
   const glm::dvec3 eye = view.camera.position_m;
+  const glm::mat3 rows(in_view);
+  const glm::vec3 origin = in_view * (set.origin_m - eye);
+  std::vector<std::uint32_t> near;
   for (const ObjectGroup* group : visible_groups(set.groups, view)) {
-    if (!options_.occlusion) {
-      for (std::uint32_t i = 0; i < group->count; ++i) seen.push_back(group->first + i);
-      continue;
-    }
     const glm::vec3 center = in_view * (group->center_m - eye);
-    if (!occlusion_.may_see(center, static_cast<float>(group->radius_m))) continue;
-    occlusion_.add(set.data.data(), group->first, group->count, glm::mat3(in_view),
-                   glm::vec3(in_view * (set.origin_m - eye)), seen);
+    const auto before = static_cast<std::ptrdiff_t>(seen_.size());
+    if (!options_.occlusion) {
+      for (std::uint32_t i = 0; i < group->count; ++i) seen_.push_back(group->first + i);
+    } else if (occlusion_.may_see(center, static_cast<float>(group->radius_m))) {
+      occlusion_.add(set.data.data(), group->first, group->count, rows, origin, seen_);
+    }
+    // A sphere is near within 3 radii of it, or where its centre's depth is at most its radius.
+    const auto radius = static_cast<float>(group->radius_m);
+    if (glm::length(center) > 4 * radius && center.z > 2 * radius) continue;
+    const auto is_near = [&](std::uint32_t i) {
+      const glm::vec4& sphere = set.data[i];
+      const glm::vec3 c = origin + rows * glm::vec3(sphere);
+      return glm::dot(c, c) <= 9 * sphere.w * sphere.w || c.z <= sphere.w;
+    };
+    const auto end =
+        std::stable_partition(seen_.begin() + before, seen_.end(), [&](std::uint32_t i) { return !is_near(i); });
+    near.insert(near.end(), end, seen_.end());
+    seen_.erase(end, seen_.end());
   }
-  return seen;
+  const std::size_t far = seen_.size();
+  seen_.insert(seen_.end(), near.begin(), near.end());
+  return far;
+}
+
+// Of seen_. The same elements serve all draws: each begins where the one before ended.
+void SphereBatch::draw_indices(const Program& program, std::size_t first, std::size_t count) const {
+  if (count == 0) return;
+  program.use();
+  glUniform1ui(1, static_cast<GLuint>(first));
+  std::vector<GLsizei> counts;
+  std::vector<GLint> firsts;
+  for (std::size_t at = 0; at < count; at += kDrawSpheres) {
+    counts.push_back(static_cast<GLsizei>(std::min<std::size_t>(kDrawSpheres, count - at)) * 3 * (corners() - 2));
+    firsts.push_back(static_cast<GLint>(at) * corners());
+  }
+  const std::vector<const void*> offsets(counts.size(), nullptr);
+  glMultiDrawElementsBaseVertex(GL_TRIANGLES, counts.data(), GL_UNSIGNED_SHORT, offsets.data(),
+                                static_cast<GLsizei>(counts.size()), firsts.data());
 }
 
 void SphereBatch::draw_set(const Set& set, const ObjectView& view, const Programs& with) {
-  const std::vector<std::uint32_t> seen = choose(set, view);
-  if (seen.empty()) return;
-  drawn_ += seen.size();
-  glNamedBufferSubData(set.order.id(), 0, static_cast<GLsizeiptr>(seen.size() * sizeof seen[0]), seen.data());
+  const std::size_t far = choose(set, view);
+  if (seen_.empty()) return;
+  drawn_ += seen_.size();
+  glNamedBufferSubData(set.order.id(), 0, static_cast<GLsizeiptr>(seen_.size() * sizeof seen_[0]), seen_.data());
   const ViewAxes axes = view_axes(view.camera);
   const glm::dvec3 origin = set.origin_m - view.camera.position_m;
-  for (const Program* program : {&with.index, &with.light}) {
+  for (const Program* program : {&with.index, &with.index_near, &with.light}) {
     glProgramUniform3d(program->id(), 0, glm::dot(axes.right, origin), glm::dot(axes.up, origin),
                        glm::dot(axes.forward, origin));
   }
@@ -156,21 +199,11 @@ void SphereBatch::draw_set(const Set& set, const ObjectView& view, const Program
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, set.order.id());
   glBindVertexArray(array_.id());
 
-  // The indices. The same elements serve all: each draw begins where the one before ended.
   glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
   const GLuint none[4] = {0, 0, 0, 0};
   glClearBufferuiv(GL_COLOR, 0, none);
-  with.index.use();
-  std::vector<GLsizei> counts;
-  std::vector<GLint> firsts;
-  for (std::size_t first = 0; first < seen.size(); first += kDrawSpheres) {
-    const std::size_t count = std::min<std::size_t>(kDrawSpheres, seen.size() - first);
-    counts.push_back(static_cast<GLsizei>(count) * 3 * (corners() - 2));
-    firsts.push_back(static_cast<GLint>(first) * corners());
-  }
-  const std::vector<const void*> offsets(counts.size(), nullptr);
-  glMultiDrawElementsBaseVertex(GL_TRIANGLES, counts.data(), GL_UNSIGNED_SHORT, offsets.data(),
-                                static_cast<GLsizei>(counts.size()), firsts.data());
+  draw_indices(with.index, 0, far);
+  draw_indices(with.index_near, far, seen_.size() - far);
 
   // The light. Depth is written by now.
   glBindFramebuffer(GL_FRAMEBUFFER, view.framebuffer);
@@ -193,7 +226,7 @@ Status SphereBatch::draw(const ObjectView& view, std::span<const glm::vec2> samp
   if (!with) return with.error();
   if (Status s = ensure_target(view); !s) return s;
   if (view.samples > 1) {
-    for (const Program* program : {&(*with)->index, &(*with)->light}) {
+    for (const Program* program : {&(*with)->index, &(*with)->index_near, &(*with)->light}) {
       glProgramUniform2fv(program->id(), 40, view.samples, &sample_places[0].x);
     }
   }

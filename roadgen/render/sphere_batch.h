@@ -22,9 +22,10 @@ namespace roadgen {
 
 class SphereBatch {
  public:
-  // Replaces the sets. first_instance: number of the first sphere. Cost: O(n log n); 28 bytes a sphere on the GPU, 16 on
+  // Replaces the sets. first_instance: number of the first sphere; shadow_kinds: SunGrid::kinds(). Cost: O(n log n); 28 bytes a sphere on the GPU, 16 on
   // the CPU. Errors: kData: a set is larger than the driver's buffers.
-  Status upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options);
+  Status upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
+                unsigned shadow_kinds);
   bool empty() const { return sets_.empty(); }
   std::size_t spheres() const { return spheres_; }
   std::size_t drawn() const { return drawn_; }  // in the last frame
@@ -45,19 +46,23 @@ class SphereBatch {
   struct Programs {
     bool channels;
     int samples;
-    Program index, light;
+    Program index, index_near, light;
   };
   int corners() const { return options_.rectangle ? 4 : options_.polygon; }
   Status add(const SphereSet& set, std::uint32_t first_instance);
   Result<Programs*> programs(const ObjectView& view);
   Status ensure_target(const ObjectView& view);
-  std::vector<std::uint32_t> choose(const Set& set, const ObjectView& view);
+  // The spheres that may be seen, those last that are near (shaders/spheres.glsl); how many are not.
+  std::size_t choose(const Set& set, const ObjectView& view);
+  void draw_indices(const Program& program, std::size_t first, std::size_t count) const;
   void draw_set(const Set& set, const ObjectView& view, const Programs& with);
 
   ObjectOptions options_;
+  unsigned shadow_kinds_ = 0;
   std::vector<Set> sets_;
   std::vector<Programs> programs_;
   Occlusion occlusion_;
+  std::vector<std::uint32_t> seen_;  // of the set that is drawn
   gl::Buffer elements_;
   gl::VertexArray array_;
   gl::Texture indices_;

@@ -125,6 +125,7 @@ struct Library {
 #include "shaders/lib/marking.glsl"
 #include "shaders/lib/noise.glsl"
 #include "shaders/lib/sky.glsl"
+#include "shaders/lib/light.glsl"
 #include "shaders/lib/ground.glsl"
 #include "shaders/lib/material.glsl"
 #include "shaders/lib/junction.glsl"

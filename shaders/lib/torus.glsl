@@ -58,6 +58,17 @@ FN float torus_root(IN(float) k_low, IN(float) k_high, IN(bool) entering, IN(vec
   return k;
 }
 
+// A root counted from the ray's own origin: near that, the digits that the way by the middle lost.
+FN float torus_polish(IN(float) k, IN(vec3) o, IN(vec3) d, IN(ObjectShape) s) {
+  vec3 p = o + d * k;
+  float around = sqrt(p.x * p.x + p.y * p.y);
+  float out_ = around - 1.0;
+  float slope = 2.0 * (out_ * (p.x * d.x + p.y * d.y) / max(around, float(1e-20)) + p.z * d.z);
+  float step = (out_ * out_ + p.z * p.z - s.p0 * s.p0) / (slope == 0.0 ? float(1.0) : slope);
+  // At a double root the step says nothing.
+  return abs(step) * length(d) < 1e-5 ? k - step : k;
+}
+
 FN ObjectHits torus_hits(IN(vec3) o, IN(vec3) d, IN(float) at_o, IN(ObjectShape) s) {
   ObjectHits h = object_none();
   float speed = length(d);
@@ -77,7 +88,7 @@ FN ObjectHits torus_hits(IN(vec3) o, IN(vec3) d, IN(float) at_o, IN(ObjectShape)
   for (int i = 0; i < 4; ++i) {
     float to = i == 3 ? reach : clamp(torus_extreme(p, -2.0 * lean, i), from, reach);
     bool then = i < 3 && torus_value(near + e * to, s) < 0.0;
-    if (then != inside) h = object_add(h, (torus_root(from, to, then, near, e, s) + shift) / speed, 0);
+    if (then != inside) h = object_add(h, torus_polish((torus_root(from, to, then, near, e, s) + shift) / speed, o, d, s), 0);
     inside = then;
     from = to;
   }

@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-20}; shift || true
-[ $# -gt 0 ] || set -- opendrive osm_xml osm_pbf gpx csv geojson
+[ $# -gt 0 ] || set -- opendrive osm_xml osm_pbf gpx csv geojson scene point_cloud
 # Leaks are those of GDAL and the rest at exit.
 export ASAN_OPTIONS=detect_leaks=0
 run() {

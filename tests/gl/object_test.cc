@@ -124,6 +124,29 @@ void compare(const Frame& frame, std::uint32_t instance, const Primitive& p, con
   tally.normal = std::max(tally.normal, angle);
 }
 
+// The last kind is a sphere of a set.
+constexpr int kOfSet = kShapeKinds;
+constexpr int kAllKinds = kShapeKinds + 1;
+
+// Adds a shape of the kind; returns what it is drawn as.
+Primitive add_shape(ObjectScene& scene, int kind, const glm::dmat4& transform, ShapeRandom& random) {
+  if (kind != kOfSet) {
+    scene.objects.push_back({.name = "", .shape = random_shape(kind, random), .transform = transform});
+    return primitive(scene.objects.back());
+  }
+  if (scene.sphere_sets.empty()) scene.sphere_sets.emplace_back().origin_m = glm::dvec3(transform[3]);
+  SphereSet& set = scene.sphere_sets[0];
+  const auto radius = static_cast<float>(glm::length(transform[0]));
+  set.items.push_back({glm::vec3(glm::dvec3(transform[3]) - set.origin_m), radius});
+  Object same;
+  same.shape = Sphere{set.origin_m + glm::dvec3(set.items.back().center), radius};
+  return primitive(same);
+}
+
+const char* kind_name(int kind, ShapeRandom& random) {
+  return kind == kOfSet ? "sphere of a set" : shape_name(random_shape(kind, random));
+}
+
 // A grid of objects, one a cell, seen so that each about fills its cell: at a field of view of 0.003 degrees they are
 // 1e5 radii and more away.
 class Grid {
@@ -146,12 +169,10 @@ class Grid {
       const double size = unit * random.scale(0.1, 10);
       // Its ball is 0.2 to 1.2 cells wide; where that is nearer than the ball allows, as near as that.
       const double angle = random.scale(0.1, 0.6) * kCell_px * pixel / glm::dot(ray, ray);
-      Object object;
-      object.shape = random_shape(kind, random);
       const glm::dvec3 center = camera_.position_m + glm::normalize(ray) * (size * std::max(2.0, 1 / angle));
-      object.transform = glm::dmat4(random.rotation() * size);
-      object.transform[3] = glm::dvec4(center, 1);
-      scene_.objects.push_back(object);
+      glm::dmat4 transform(random.rotation() * size);
+      transform[3] = glm::dvec4(center, 1);
+      primitives_.push_back(add_shape(scene_, kind, transform, random));
     }
   }
 
@@ -161,7 +182,7 @@ class Grid {
         renderer.render(camera_, {.width = kSize, .height = kSize, .channels = kDepth_ | kInstance | kNormal | kLabel});
     ASSERT_TRUE(frame.ok());
     for (int i = 0; i < kCells * kCells; ++i, ++tally.placements) {
-      const Primitive p = primitive(scene_.objects[static_cast<std::size_t>(i)]);
+      const Primitive& p = primitives_[static_cast<std::size_t>(i)];
       for (int y = 0; y < kCell_px; ++y) {
         for (int x = 0; x < kCell_px; ++x) {
           const int px = i % kCells * kCell_px + x, py = i / kCells * kCell_px + y;
@@ -178,28 +199,25 @@ class Grid {
   static constexpr unsigned kDepth_ = roadgen::kDepth;
   Camera camera_;
   ObjectScene scene_;
+  std::vector<Primitive> primitives_;
 };
 
 // One object around the eye, near it or far behind.
 void check_near(Renderer& renderer, int kind, ShapeRandom& random, Tally& tally) {
   constexpr int kSize = 24;
   const double size = random.scale(1e-2, 1e6);
-  Object object;
-  object.shape = random_shape(kind, random);
-  object.transform = glm::dmat4(random.rotation() * size);
+  ObjectScene scene;
+  const Primitive p = add_shape(scene, kind, glm::dmat4(random.rotation() * size), random);
   Camera camera;
   camera.position_m = random.direction() * size * random.uniform(0, 2.5);
   camera.yaw_deg = random.uniform(0, 360);
   camera.pitch_deg = random.uniform(-90, 90);
   camera.fov_deg = random.uniform(20, 140);
   camera.near_m = size * random.scale(1e-4, 0.3);
-  ObjectScene scene;
-  scene.objects.push_back(object);
   ASSERT_TRUE(renderer.load_objects(scene).ok());
   const auto frame = renderer.render(
       camera, {.width = kSize, .height = kSize, .channels = roadgen::kDepth | kInstance | kNormal | kLabel});
   ASSERT_TRUE(frame.ok());
-  const Primitive p = primitive(object);
   for (int y = 0; y < kSize; ++y) {
     for (int x = 0; x < kSize; ++x) compare(*frame, 1, p, camera, x, y, tally);
   }
@@ -219,11 +237,11 @@ TEST_P(ObjectShapes, EveryPixelIsTheRaysOwn) {
   const long far_pixels = tally.covered;
   for (int i = 0; i < 784; ++i) check_near(*renderer, GetParam(), random, tally);
   std::printf(
-      "%-14s %ld placements, %ld pixels, %ld covered far and %ld near, %ld at edges; depth within 1e-6 but for %ld, at "
+      "%-15s %ld placements, %ld pixels, %ld covered far and %ld near, %ld at edges; depth within 1e-6 but for %ld, at "
       "most "
       "%.1e; normal within 1e-4 rad but for %ld, at most %.1e\n",
-      shape_name(random_shape(GetParam(), random)), tally.placements, tally.pixels, far_pixels,
-      tally.covered - far_pixels, tally.edge, tally.steep, tally.depth, tally.bent, tally.normal);
+      kind_name(GetParam(), random), tally.placements, tally.pixels, far_pixels, tally.covered - far_pixels, tally.edge,
+      tally.steep, tally.depth, tally.bent, tally.normal);
   EXPECT_EQ(tally.first, "");
   EXPECT_EQ(tally.placements, 10000);
   // Enough was seen for this to mean anything.
@@ -232,7 +250,7 @@ TEST_P(ObjectShapes, EveryPixelIsTheRaysOwn) {
   EXPECT_LT(tally.steep + tally.bent, tally.covered / 50);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, ObjectShapes, ::testing::Range(0, kShapeKinds));
+INSTANTIATE_TEST_SUITE_P(Kinds, ObjectShapes, ::testing::Range(0, kAllKinds));
 
 }  // namespace
 }  // namespace roadgen::test

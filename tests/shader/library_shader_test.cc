@@ -42,6 +42,22 @@ SHADER_CASE(NoiseFractal, 3, 2, y[0] = noise_fractal(x[0], x[1], float(64.0), 5,
 SHADER_CASE(Sky, 2, 3, vec3 c = sky_gradient(x[0], x[1]); y[0] = c.x; y[1] = c.y; y[2] = c.z;)
 SHADER_CASE(Light, 4, 5, vec3 c = sky_ambient(x[0]); y[0] = c.x; y[1] = c.z; y[2] = sky_tone(x[1]);
                          y[3] = sky_transmittance(x[2], float(9000.0)); y[4] = sky_sun_disc(x[3]);)
+SHADER_CASE(Refracted, 4, 6, vec3 n = vec3(0.0, 0.0, 1.0); vec3 d = normalize(vec3(x[0], x[1], x[2]));
+                             LightRefraction r = light_refracted(d, n, x[3]);
+                             y[0] = r.direction.x; y[1] = r.direction.z; vec3 m = light_mirrored(d, n); y[2] = m.z;
+                             y[3] = light_fresnel(-d.z, x[3]); y[4] = light_schlick(vec3(0.04, 0.5, 1.0), -d.z).y;
+                             y[5] = r.total ? float(1.0) : float(0.0);)
+SHADER_CASE(MetalRoughness, 9, 3,
+            vec3 l = normalize(vec3(x[0], x[1], x[2])); vec3 v = normalize(vec3(x[3], x[4], x[5]));
+            LightSurface s = light_metal_roughness(vec3(0.9, 0.5, 0.1), x[6], x[7], x[8]);
+            vec3 f = light_brdf(s, vec3(0.0, 0.0, 1.0), l, v); y[0] = f.x; y[1] = f.y; y[2] = f.z;)
+SHADER_CASE(Phong, 7, 3,
+            vec3 l = normalize(vec3(x[0], x[1], x[2])); vec3 v = normalize(vec3(x[3], x[4], x[5]));
+            LightSurface s = light_phong(vec3(0.9, 0.5, 0.1), vec3(0.1, 0.2, 0.8), x[6]);
+            vec3 f = light_brdf(s, vec3(0.0, 0.0, 1.0), l, v); y[0] = f.x; y[1] = f.y; y[2] = f.z;)
+SHADER_CASE(Harmonics, 3, 9, vec3 d = normalize(vec3(x[0], x[1], x[2])); for (int i = 0; i < 9; ++i) {
+              y[i] = light_harmonic_cosine(i) * light_harmonic(i, d); })
+SHADER_CASE(HalfVector, 3, 3, vec3 h = light_half_vector(x[0], x[1], x[2]); y[0] = h.x; y[1] = h.y; y[2] = h.z;)
 SHADER_CASE(Ground, 6, 3, float bare = ground_bareness(x[0], x[1], x[2], x[3], x[4]);
                           vec3 c = ground_albedo(bare, x[0], x[1], x[2], x[3], x[4], x[5]);
                           y[0] = c.x; y[1] = c.y; y[2] = c.z;)
@@ -163,6 +179,16 @@ void corner_inputs(Random& random, double* x) {
   for (int i = 17; i < 23; ++i) x[i] = random.uniform(-0.08, 0.08);
 }
 
+// A ray onto a surface, and an index not within 1 % of the one at which all begins to be mirrored.
+void refraction_inputs(Random& random, double* x) {
+  for (int i = 0; i < 2; ++i) x[i] = random.uniform(-1, 1);
+  x[2] = random.uniform(-1, -0.1);
+  const double sine = std::sqrt((x[0] * x[0] + x[1] * x[1]) / (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]));
+  do {
+    x[3] = random.uniform(0.5, 2.5);
+  } while (std::abs(x[3] - sine) < 0.01 * sine);
+}
+
 // Limits: about twice what llvmpipe measures.
 const FunctionCase kCases[] = {
     {"surface_height", Height, height_inputs, 1.7e-6},
@@ -180,6 +206,13 @@ const FunctionCase kCases[] = {
     {"sky_gradient", Sky, uniform_inputs({{-1, 1}, {-1, 1}}), 6e-7},  // pow of the driver
     {"sky_light", Light, uniform_inputs({{-1, 1}, {0, 20}, {0, 30000}, {0.9995, 1}}), 5.3e-4,
      5},  // the sun's rim: / 1e-4
+    {"light_refracted", Refracted, refraction_inputs, 1e-4, 170},  // a square root near the rim
+    {"light_metal_roughness", MetalRoughness,
+     uniform_inputs({{-1, 1}, {-1, 1}, {0.05, 1}, {-1, 1}, {-1, 1}, {0.05, 1}, {0, 1}, {0.2, 1}, {1, 2.5}}), 1e-5, 64},
+    {"light_phong", Phong, uniform_inputs({{-1, 1}, {-1, 1}, {0, 1}, {-1, 1}, {-1, 1}, {0, 1}, {1, 60}}), 4e-5,
+     400},  // the power of 60
+    {"light_harmonic", Harmonics, uniform_inputs({{-1, 1}, {-1, 1}, {-1, 1}}), 1e-6},
+    {"light_half_vector", HalfVector, uniform_inputs({{0, 0.999}, {0, 1}, {0.05, 1}}), 1e-5, 64},
     {"ground_albedo", Ground, uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
     {"ground_asphalt", Asphalt, uniform_inputs({{0, 1}, {-1, 1}, {-1, 1}}), 1e-7},
     {"junction_height_cut", JunctionCutHeight, cut_inputs, 9e-6, 16},
@@ -210,7 +243,7 @@ class LibraryShader : public GlTest, public ::testing::WithParamInterface<Functi
 
 TEST_P(LibraryShader, MatchesDoublePrecision) {
   if (!make_context(ContextKind::kOsmesa)) return;
-  check_case({"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl",
+  check_case({"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl", "lib/light.glsl",
               "lib/ground.glsl", "lib/material.glsl", "lib/junction.glsl"},
              GetParam(), 100000);
 }

@@ -32,7 +32,7 @@ const std::map<std::string, Names>& allowed() {
       {"roadgen/road", {"shaders"}},
       {"roadgen/geodesy", network},
       {"roadgen/fit", network},
-      {"roadgen/import", with(files, {"roadgen/export"})},
+      {"roadgen/import", with(files, {"roadgen/export", "roadgen/object"})},
       {"roadgen/export", files},
       {"roadgen/query", network},
       {"roadgen/object", network},
