@@ -107,7 +107,8 @@ void BoxTree::Walk::begin(const BoxTree& tree, const Box& about, const SearchLim
     low_[k] = below(about.low_m[k] - tree.origin_m_[k]);
     high_[k] = above(about.high_m[k] - tree.origin_m_[k]);
   }
-  reach2_ = above(limits.reach_m * limits.reach_m * kRounding);
+  // Finite, so that children that are not there, infinitely far away, are never near.
+  reach2_ = std::min(above(limits.reach_m * limits.reach_m * kRounding), std::numeric_limits<float>::max());
   limit(limits.cost_m);
   if (!tree.nodes_.empty()) stack_[top_++] = {0, 0, tree.root_};
 }
@@ -129,9 +130,8 @@ inline void BoxTree::Walk::push(const Node& node, const Four (&plane2)[kFours], 
     return {plane2[i / 4][i % 4], gap[i / 4][i % 4], node.child[i]};
   };
   const auto first = [&] { return static_cast<std::uint32_t>(std::countr_zero(near)); };
-  // Children that are not there come last.
   if (near != 0 && (near & (near - 1)) == 0) {
-    if (node.child[first()] != kNoChild) put(top_++, child(first()));
+    put(top_++, child(first()));
     return;
   }
   // What a child costs, as an integer of the same order, told from others' by its place; less than any where it is far.
@@ -145,7 +145,6 @@ inline void BoxTree::Walk::push(const Node& node, const Four (&plane2)[kFours], 
   const std::uint32_t bottom = top_;
   for (; near != 0; near &= near - 1) {
     const std::uint32_t i = first();
-    if (node.child[i] == kNoChild) break;
     // Without a branch, which would be guessed wrong every other time: above those that are farther.
     const std::int32_t own = key[i / 4][i % 4];
     const Fours farther = (key[0] > own) + (key[1] > own) + (key[2] > own) + (key[3] > own);
