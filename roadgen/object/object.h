@@ -157,7 +157,7 @@ struct ObjectMaterial {
   float metallic = 0, roughness = 0.6f;    // kMetalRoughness, in [0, 1]; as in glTF 2.0
   glm::vec3 specular{0.2f, 0.2f, 0.2f};    // kPhong, in [0, 1]
   float shininess = 32;                    // kPhong, exponent, >= 1
-  float reflection = 0;                    // part of the mirrored environment that is added, in [0, 1]
+  float reflection = 0;                    // part that is the mirrored environment alone, in [0, 1]
   float transmission = 0;                  // part of the light that goes through, in [0, 1]
   float ior = 1.5f;                        // index of refraction, in [1, 4]
   std::string texture_file = {};                // multiplies base_color by uv; empty: none

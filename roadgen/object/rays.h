@@ -41,7 +41,7 @@ class ObjectRays {
   ObjectRays& operator=(ObjectRays&&) noexcept;
   ~ObjectRays();
 
-  // The nearest hit with t in [t_from, t_to]. Requires: direction finite and not 0. Cost: O(log n) on average.
+  // The nearest hit with t in [t_from, t_to]. Requires: direction finite and not 0, t_from >= 0. Cost: O(log n) on average.
   std::optional<ObjectHit> nearest(glm::dvec3 origin_m, glm::dvec3 direction, double t_from = 0,
                                    double t_to = std::numeric_limits<double>::infinity()) const;
   // The primitive of an instance, made at the call for spheres of sets.

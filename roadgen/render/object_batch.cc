@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <glm/common.hpp>

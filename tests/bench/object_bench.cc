@@ -25,6 +25,7 @@
 
 #include "roadgen/object/object.h"
 #include "roadgen/render/gl.h"
+#include "roadgen/render/image.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
 #include "roadgen/render/renderer.h"
@@ -444,16 +445,83 @@ void print_ellipse(Context& context) {
       static_cast<double>(theirs) / outline);
 }
 
+// Pictures ----------------------------------------------------------------------------------------------------------------
+
+// Every real type of quadric that has area, and every shape, over a floor.
+void write_shapes(Context& context, const std::string& path) {
+  ObjectScene scene;
+  scene.materials.resize(3);
+  scene.materials[0].base_color = {0.62f, 0.30f, 0.12f};
+  scene.materials[1].base_color = {0.10f, 0.32f, 0.55f};
+  scene.materials[2].base_color = {0.30f, 0.32f, 0.28f};
+  ShapeRandom random(12);
+  const auto add = [&](const Shape& shape, glm::dvec3 at, std::uint32_t material, const glm::dmat3& turn) {
+    Object& object = scene.objects.emplace_back();
+    object.shape = shape;
+    object.material = material;
+    object.transform = glm::dmat4(turn);
+    object.transform[3] = glm::dvec4(at, 1);
+  };
+  for (int i = 0; i < 14; ++i) {
+    Quadric quadric;
+    quadric.coefficients = test::kQuadricFamily[static_cast<std::size_t>(i)];
+    const double turn = 0.6;
+    const glm::dmat3 about({std::cos(turn), std::sin(turn), 0}, {-std::sin(turn), std::cos(turn), 0}, {0, 0, 1});
+    add(quadric, {i / 7 * -3.4, (3 - i % 7) * 2.7, 1.1}, 0, about);
+  }
+  for (int kind = 0; kind < test::kShapeKinds; ++kind) {
+    if (kind == 7) continue;  // a quadric
+    const int place = kind > 7 ? kind - 1 : kind;
+    add(test::random_shape(kind, random), {-6.8 - place / 6 * 3.2, (2.5 - place % 6) * 2.7, 1.05}, 1, glm::dmat3(1));
+  }
+  add(Circle{{-4, 0, 0}, {0, 0, 1}, 14}, {0, 0, 0}, 2, glm::dmat3(1));
+  Renderer renderer = need(Renderer::create(context));
+  need(renderer.load_objects(scene));
+  Camera camera;
+  camera.position_m = {-16.5, 0, 13};
+  camera.pitch_deg = -43;
+  camera.fov_deg = 46;
+  need(write_png(path, need(renderer.render(camera, {.width = 1280, .height = 720})).color));
+}
+
+void write_molecule(Context& context, SphereSet set, const std::string& path) {
+  // Colours in layers, so that its parts can be told apart.
+  for (SphereSet::Item& item : set.items) {
+    const auto band = [&](float x) { return static_cast<std::uint8_t>(150 + 90 * std::sin(x)); };
+    item.color = {band(0.03f * item.center.x), band(0.03f * item.center.y + 2), band(0.03f * item.center.z + 4), 255};
+  }
+  glm::dvec3 low(1e30), high(-1e30);
+  for (const auto& item : set.items) {
+    low = glm::min(low, glm::dvec3(item.center)), high = glm::max(high, glm::dvec3(item.center));
+  }
+  ObjectScene scene;
+  scene.sphere_sets.push_back(std::move(set));
+  scene.materials.emplace_back().base_color = {0.8f, 0.8f, 0.8f};
+  Renderer renderer = need(Renderer::create(context));
+  need(renderer.load_objects(scene));
+  Camera camera;
+  camera.position_m = 0.5 * (low + high) - glm::dvec3(1.05 * glm::length(high - low), 0, 0);
+  camera.fov_deg = 32;
+  need(write_png(path, need(renderer.render(camera, {.width = 960, .height = 600})).color));
+}
+
 int run(int argc, char** argv) {
   CLI::App app("What objects cost, and what else would.");
   std::string data = ROADGEN_SOURCE_DIR "/../shared/data/geometry/";
   std::string xyzr = data + "pdb/ribosome_4V5A_first99130.xyzr", mesh = data + "common-3d/spot.obj";
+  std::string pictures;
   int repeats = 9;
   app.add_option("--xyzr", xyzr, "spheres, a line x y z radius each")->capture_default_str();
   app.add_option("--mesh", mesh, "a mesh that 35,947 spheres are spread over")->capture_default_str();
   app.add_option("--repeats", repeats, "measurements of each")->capture_default_str();
+  app.add_option("--pictures", pictures, "writes PREFIX.shapes.png and PREFIX.molecule.png, and measures nothing");
   CLI11_PARSE(app, argc, argv);
   const std::unique_ptr<Context> context = need(Context::create({.kind = ContextKind::kOsmesa}));
+  if (!pictures.empty()) {
+    write_shapes(*context, pictures + ".shapes.png");
+    write_molecule(*context, read_xyzr(xyzr), pictures + ".molecule.png");
+    return 0;
+  }
   print_ellipse(*context);
   const SphereSet molecule = read_xyzr(xyzr), cloud = spheres_on(mesh, 35947);
   for (const double distance : {2.4, 1.25}) print_spheres(*context, "Molecule", molecule, distance, repeats);

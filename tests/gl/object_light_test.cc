@@ -13,6 +13,7 @@
 #include "roadgen/render/environment.h"
 #include "roadgen/render/renderer.h"
 #include "tests/gl/gl_fixture.h"
+#include "tests/temporary_folder.h"
 
 namespace roadgen::test {
 namespace {
@@ -220,6 +221,63 @@ double sun_seen(const ObjectRays& rays, glm::dvec3 place) {
     seen += rays.nearest(place, d, 1e-3) ? 0 : 1;
   }
   return static_cast<double>(seen) / kRays;
+}
+
+// A picture whose red grows with u and whose green grows with v, from a file.
+TEST_F(ObjectLight, TexturesLieByUv) {
+  TemporaryFolder folder;
+  Image8 ramp(256, 128, 3);
+  for (int y = 0; y < ramp.height; ++y) {
+    for (int x = 0; x < ramp.width; ++x) {
+      ramp.at(x, y, 0) = static_cast<std::uint8_t>(x);
+      ramp.at(x, y, 1) = static_cast<std::uint8_t>(2 * (ramp.height - 1 - y));
+      ramp.at(x, y, 2) = 128;
+    }
+  }
+  ASSERT_TRUE(write_png(folder.path("ramp.png"), ramp).ok());
+  const ObjectMaterial material = {.model = ObjectMaterial::Model::kPhong,
+                                   .base_color = {0.6f, 0.6f, 0.6f},
+                                   .specular = {0, 0, 0},
+                                   .texture_file = folder.path("ramp.png")};
+  const Camera camera = {.position_m = {-6, 0.5, 1.5}, .yaw_deg = -4, .pitch_deg = -12, .fov_deg = 40};
+  const Shape shapes[] = {Sphere{{0, 0, 0}, 1}, Parallelogram{{0, 1, -1}, {0, -2, 0.2}, {-0.5, 0, 2}},
+                          Cylinder{{0, 0, -1}, {0, 0, 1}, 0.8}, Torus{{0, 0, 0}, {0.5, 0, 1}, 0.9, 0.35}};
+  for (const Shape& shape : shapes) {
+    const ObjectScene scene = scene_of(shape, material);
+    const auto frame = draw(scene, camera, nullptr);
+    if (!frame) return;
+    const ObjectRays rays(scene);
+    const Harmonics harmonics = harmonics_of_sky();
+    int pixels = 0, off = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const glm::dvec3 d = glm::normalize(pixel_ray(camera, kWidth, kHeight, x, y));
+        const auto hit = rays.nearest(camera.position_m, d, camera.near_m);
+        if (!hit || glm::dot(hit->normal, d) > -0.25) continue;
+        // Not at the ramps' ends, where the other one begins, and where the sun is wholly seen or not at all.
+        const glm::dvec2 uv = hit->uv;
+        if (std::min(uv.x, uv.y) < 0.04 || std::max(uv.x, uv.y) > 0.96) continue;
+        const double facing = glm::dot(hit->normal, toward_sun());
+        const double seen = facing > 0 ? sun_seen(rays, hit->position_m + 1e-3 * hit->normal) : 0.0;
+        if (std::abs(facing) < 0.1 || (seen > 0 && seen < 1)) continue;
+        const auto linear = [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); };
+        const glm::dvec3 base = 0.6 * glm::dvec3(linear(uv.x), linear(uv.y), linear(128 / 255.0));
+        const glm::dvec3 light =
+            base * (Lib::sky_sun_color() * (std::max(facing, 0.0) * seen) + harmonic_light(harmonics, hit->normal));
+        ++pixels;
+        int worst = 0;
+        for (int c = 0; c < 3; ++c) {
+          const double tone = Lib::sky_tone(light[c]);
+          const double code = 255 * (tone <= 0.0031308 ? 12.92 * tone : 1.055 * std::pow(tone, 1 / 2.4) - 0.055);
+          worst = std::max(worst, static_cast<int>(std::lround(std::abs(code - frame->color.at(x, y, c)))));
+        }
+        off += worst > 6 ? 1 : 0;  // a pixel and a texel wide, on ramps of 255 over some 60 pixels
+      }
+    }
+    EXPECT_GT(pixels, 1000) << shape_name(shape);
+    EXPECT_LE(off, 0.005 * pixels) << shape_name(shape);
+    std::printf("%-14s %5d pixels, %d off\n", shape_name(shape), pixels, off);
+  }
 }
 
 // Its mean over the pixel's square.
