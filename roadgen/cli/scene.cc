@@ -23,11 +23,30 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
   app.add_option(
       "--ground-cache", options.ground_cache_path,
       "File that keeps the ground for the next time; written where it is missing, of other inputs or damaged");
+  app.add_option(
+      "--ground-texture", options.ground_textures,
+      "grass=FILE, rock=FILE or gravel=FILE: a picture of 4 m x 4 m that shows the ground there. May be given "
+      "several times");
   app.add_option("--context", options.context, "osmesa, egl or window. Default: osmesa");
   app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
 }
 
 namespace {
+
+// "grass=FILE", into the renderer. Errors: kUsage for another material; as read_image8.
+Status load_texture(Renderer& renderer, const std::string& text) {
+  const std::size_t at = text.find('=');
+  const std::string material = text.substr(0, at);
+  constexpr std::pair<const char*, GroundMaterial> kNames[] = {
+      {"grass", GroundMaterial::kGrass}, {"rock", GroundMaterial::kRock}, {"gravel", GroundMaterial::kGravel}};
+  for (const auto& [name, value] : kNames) {
+    if (material != name || at == text.npos) continue;
+    const auto picture = read_image8(text.substr(at + 1));
+    if (!picture) return picture.error();
+    return renderer.set_ground_texture(value, *picture);
+  }
+  return Error{ErrorCode::kUsage, "--ground-texture '" + text + "': expected grass=FILE, rock=FILE or gravel=FILE"};
+}
 
 // From the cache where that holds it; else built, and kept there.
 Result<Terrain> ground_of(const SceneOptions& options, const Network& network, const Elevation* elevation,
@@ -84,6 +103,9 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   auto renderer = Renderer::create(*scene.context);
   if (!renderer) return renderer.error();
   scene.renderer.emplace(std::move(*renderer));
+  for (const std::string& texture : options.ground_textures) {
+    if (Status s = load_texture(*scene.renderer, texture); !s) return s.error();
+  }
   if (Status s = scene.renderer->load_roads(network); !s) return s.error();
   if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
   const TerrainReport& report = terrain->report();

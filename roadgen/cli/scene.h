@@ -21,6 +21,7 @@ struct SceneOptions {
   std::string dem_path;  // empty: ground from the roads' own heights
   std::string dem_encoding = "heights";
   std::string ground_cache_path;  // empty: the ground is built every time
+  std::vector<std::string> ground_textures;
   std::string context = "osmesa";
   int egl_device = -1;
   int width = 1280, height = 720;

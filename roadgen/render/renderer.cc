@@ -15,6 +15,7 @@
 #include "roadgen/render/frustum.h"
 #include "roadgen/render/gl.h"
 #include "roadgen/render/ground_batch.h"
+#include "roadgen/render/ground_textures.h"
 #include "roadgen/render/junction_batch.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/render_target.h"
@@ -120,6 +121,7 @@ struct Renderer::State {
   JunctionBatch junctions;
   SweepBatch sweeps;
   GroundBatch ground;
+  GroundTextures ground_textures;
   Lighting lighting;
   RenderTarget drawn, resolved, channels, ground_depth;
 
@@ -149,7 +151,7 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   u.sun = glm::vec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg),
                     static_cast<float>(lighting.haze_range_m));
   u.ground = glm::dvec4(ground.low_m() - camera.position_m.z,
-                        1 / std::max(kLeastRelief_m, ground.high_m() - ground.low_m()), 0, 0);
+                        1 / std::max(kLeastRelief_m, ground.high_m() - ground.low_m()), ground_textures.mask(), 0);
   glNamedBufferSubData(frame_uniforms.id(), 0, sizeof u, &u);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
 }
@@ -167,6 +169,7 @@ void Renderer::State::draw_scene(const Programs& programs, const Camera& camera,
   const Frustum frustum(camera, static_cast<double>(width) / height);
   const auto may_see = [&](glm::dvec3 center, double radius) { return frustum.may_see(center, radius); };
   const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / height;
+  ground_textures.bind();
   ground.draw(programs.ground, programs.ground_at_tunnels, camera.position_m, ground_error_pixels * pixel, may_see);
   if (&programs == &picture) show_ground_to_roads();
   glDepthFunc(GL_GEQUAL);
@@ -308,6 +311,11 @@ Status Renderer::load_ground(std::span<const TerrainMesh> tiles) {
   if (Status s = state_->context.make_current(); !s) return s;
   state_->ground.upload(tiles);
   return Done{};
+}
+
+Status Renderer::set_ground_texture(GroundMaterial material, const Image8& picture) {
+  if (Status s = state_->context.make_current(); !s) return s;
+  return state_->ground_textures.take(material, picture);
 }
 
 GroundStatistics Renderer::ground_statistics() const { return state_->ground.statistics(); }

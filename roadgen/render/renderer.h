@@ -79,6 +79,9 @@ struct Lighting {
   double haze_range_m = 9000;     // e-folding length of the view through air, > 0
 };
 
+// What the ground is made of where a texture may show it.
+enum class GroundMaterial { kGrass, kRock, kGravel };
+
 class Renderer {
  public:
   // Compiles the programs. The context must outlive the renderer.
@@ -94,6 +97,9 @@ class Renderer {
   // where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
+  // A picture, sRGB, that repeats every 4 m and, turned, every 12.8 m, in place of the material's own colours; for all
+  // ground, also of later loads. Errors: kData: no pixels; kContext.
+  Status set_ground_texture(GroundMaterial material, const Image8& picture);
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 124;
   RoadStatistics road_statistics() const;

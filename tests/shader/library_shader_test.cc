@@ -43,8 +43,10 @@ SHADER_CASE(Sky, 2, 3, vec3 c = sky_gradient(x[0], x[1]); y[0] = c.x; y[1] = c.y
 SHADER_CASE(Light, 4, 5, vec3 c = sky_ambient(x[0]); y[0] = c.x; y[1] = c.z; y[2] = sky_tone(x[1]);
                          y[3] = sky_transmittance(x[2], float(9000.0)); y[4] = sky_sun_disc(x[3]);)
 SHADER_CASE(Ground, 6, 3, float bare = ground_bareness(x[0], x[1], x[2], x[3], x[4]);
-                          vec3 c = ground_albedo(bare, x[0], x[1], x[2], x[3], x[4], x[5]);
+                          vec3 c = mix(mix(ground_grass(x[1], x[2], x[3], x[4]), ground_rock(x[3], x[4], x[5]), bare),
+                                       ground_snow(), ground_snowiness(x[0], x[1], x[2], x[3], x[4]));
                           y[0] = c.x; y[1] = c.y; y[2] = c.z;)
+SHADER_CASE(Verge, 4, 2, y[0] = ground_verge(x[0], x[1], x[2], x[3]); vec3 c = ground_gravel(x[2]); y[1] = c.x;)
 SHADER_CASE(Asphalt, 3, 1, vec3 c = ground_asphalt(x[0], x[1], x[2]); y[0] = c.x;)
 SHADER_CASE(JunctionCutHeight, 13, 6,
             JunctionCut c = JunctionCut(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12]);
@@ -180,7 +182,8 @@ const FunctionCase kCases[] = {
     {"sky_gradient", Sky, uniform_inputs({{-1, 1}, {-1, 1}}), 6e-7},  // pow of the driver
     {"sky_light", Light, uniform_inputs({{-1, 1}, {0, 20}, {0, 30000}, {0.9995, 1}}), 5.3e-4,
      5},  // the sun's rim: / 1e-4
-    {"ground_albedo", Ground, uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
+    {"ground_materials", Ground, uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
+    {"ground_verge", Verge, uniform_inputs({{0, 16}, {-1, 1}, {-1, 1}, {0, 4}}), 2e-6},
     {"ground_asphalt", Asphalt, uniform_inputs({{0, 1}, {-1, 1}, {-1, 1}}), 1e-7},
     {"junction_height_cut", JunctionCutHeight, cut_inputs, 9e-6, 16},
     {"junction_height_corner", JunctionCornerHeight, corner_inputs, 2.4e-6, 6},
