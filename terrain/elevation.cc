@@ -126,6 +126,16 @@ struct Impossible {
   std::size_t count = 0;
   double height_m = 0;  // of the first
   glm::dvec2 at{0, 0};
+
+  std::string text() const {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "%zu posts have heights that no ground has, such as %.0f m at x %.6f, y %.6f: a number that overflowed, "
+        "or another unit?",
+        count, height_m, at.x, at.y);
+    return text;
+  }
 };
 
 // Marks what is no height. Rows go north.
@@ -306,17 +316,9 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
   if (!read_posts(*dataset, encoding, grid, known, impossible)) {
     return at_file(path, ErrorCode::kIo, "reading the heights failed: " + std::string(CPLGetLastErrorMsg()));
   }
-  if (impossible.count > 0) {
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "%zu posts have heights that no ground has, such as %.0f m at x %.6f, y %.6f: a number that overflowed, or "
-        "another unit?",
-        impossible.count, impossible.height_m, impossible.at.x, impossible.at.y);
-    if (impossible.count == known.size()) return at_file(path, ErrorCode::kData, text);
-    if (diagnostics != nullptr) {
-      diagnostics->push_back({Severity::kWarning, std::string(text) + " They count as voids", path});
-    }
+  if (impossible.count == known.size()) return at_file(path, ErrorCode::kData, impossible.text());
+  if (impossible.count > 0 && diagnostics != nullptr) {
+    diagnostics->push_back({Severity::kWarning, impossible.text() + " They count as voids", path});
   }
   if (std::count(known.begin(), known.end(), std::uint8_t{1}) == 0) {
     return at_file(path, ErrorCode::kData, "the raster holds no heights, only voids");
