@@ -236,11 +236,11 @@ void PrintTo(const Place& place, std::ostream* stream) {
 
 class GroundOfPlaces : public test::GlTest, public ::testing::WithParamInterface<Place> {};
 
-// Pixels of road that are not drawn without ground either, which is not the ground's fault: of roads that lean into areas on
-// hills 11 of 772,000.
+// Pixels of road that are not drawn without ground either, which is the surface search's fault, not the ground's: of 500
+// cameras 3 of 1,014,000 on Schleiz's crests, 11 of 772,000 in Monaco, whose roads lean into areas on hills; of the first 50
+// there 3 of 65,000.
 std::size_t most_lost(const GroundCounts& counts) {
-  constexpr std::size_t kRoadPixels = 30000;
-  return GroundOfPlaces::GetParam().is_fitted ? counts.road / kRoadPixels : 0;
+  return counts.road / (GroundOfPlaces::GetParam().is_fitted ? 15000 : 150000);
 }
 
 // Random cameras along the roads, half of them near the ends of bridges and tunnels. ROADGEN_GROUND_CAMERAS: how many.
