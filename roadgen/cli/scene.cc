@@ -33,17 +33,22 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
 
 namespace {
 
-// "grass=FILE", into the renderer. Errors: kUsage for another material; as read_image8.
-Status load_texture(Renderer& renderer, const std::string& text) {
+struct MaterialPicture {
+  GroundMaterial material;
+  Image8 picture;
+};
+
+// "grass=FILE", read. Errors: kUsage for another material; as read_image8.
+Result<MaterialPicture> read_texture(const std::string& text) {
   const std::size_t at = text.find('=');
   const std::string material = text.substr(0, at);
   constexpr std::pair<const char*, GroundMaterial> kNames[] = {
       {"grass", GroundMaterial::kGrass}, {"rock", GroundMaterial::kRock}, {"gravel", GroundMaterial::kGravel}};
   for (const auto& [name, value] : kNames) {
     if (material != name || at == text.npos) continue;
-    const auto picture = read_image8(text.substr(at + 1));
+    auto picture = read_image8(text.substr(at + 1));
     if (!picture) return picture.error();
-    return renderer.set_ground_texture(value, *picture);
+    return MaterialPicture{value, std::move(*picture)};
   }
   return Error{ErrorCode::kUsage, "--ground-texture '" + text + "': expected grass=FILE, rock=FILE or gravel=FILE"};
 }
@@ -76,6 +81,12 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   if (!kind) return kind.error();
   const auto encoding = height_encoding_from_name(options.dem_encoding);
   if (!encoding) return encoding.error();
+  std::vector<MaterialPicture> textures;
+  for (const std::string& text : options.ground_textures) {
+    auto texture = read_texture(text);
+    if (!texture) return texture.error();
+    textures.push_back(std::move(*texture));
+  }
   // Before the terrain, which takes longer and needs no context.
   auto context = Context::create({.kind = *kind,
                                   .egl_device = options.egl_device,
@@ -103,8 +114,8 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   auto renderer = Renderer::create(*scene.context);
   if (!renderer) return renderer.error();
   scene.renderer.emplace(std::move(*renderer));
-  for (const std::string& texture : options.ground_textures) {
-    if (Status s = load_texture(*scene.renderer, texture); !s) return s.error();
+  for (const MaterialPicture& texture : textures) {
+    if (Status s = scene.renderer->set_ground_texture(texture.material, texture.picture); !s) return s.error();
   }
   if (Status s = scene.renderer->load_roads(network); !s) return s.error();
   if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
