@@ -16,7 +16,7 @@ in vec3 ground_normal;
 in float road_m;
 
 #ifndef CHANNELS
-layout(binding = 4) uniform sampler2D ground_textures[3];  // of grass, rock and gravel, linear light
+layout(binding = 5) uniform sampler2D ground_textures[3];  // of grass, rock and gravel, linear light
 // Their repeats, m: two, the second turned, whose mixture changes from place to place. Both fit into NOISE_PERIOD, also as
 // turned by (3, 4) / 5. Where a pixel holds so much of the ground that repeats would be seen side by side, their mean
 // takes over, with the noise of the material's own look.

@@ -6,7 +6,7 @@
 namespace roadgen {
 namespace {
 
-constexpr GLuint kFirstUnit = 4;  // of terrain.frag's ground_textures
+constexpr GLuint kFirstUnit = 5;  // of terrain.frag's ground_textures
 
 }  // namespace
 
