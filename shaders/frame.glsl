@@ -10,7 +10,8 @@ layout(std140, binding = 0) uniform Frame {
   vec4 right;               // right.w: size of a pixel at distance 1
   vec4 up;                  // up.w: far plane distance, m
   vec4 sun;                 // unit direction toward the sun; w: haze range, m
-  vec4 ground;              // x: lowest ground relative to the eye, m; y: 1 / relief, per m
+  vec4 ground;              // x: lowest ground relative to the eye, m; y: 1 / relief, per m;
+                            // z: which materials have textures: 1 grass, 2 rock, 4 gravel
 };
 
 // The view direction (1 along the view axis) at a corner of the picture, each coordinate of which is -1 or 1.

@@ -1,4 +1,5 @@
-// The ground's look: material by slope and height, noise that fades with the pixel's footprint. With HOLLOWS, what lies
+// The ground's look: material by slope, height and distance from roads, noise that fades with the pixel's footprint, or a
+// user's textures. With HOLLOWS, what lies
 // in the clear space of tunnels is cut away.
 #ifdef HOLLOWS
 #include "lib/road.glsl"
@@ -12,6 +13,28 @@
 
 in vec3 relative;
 in vec3 ground_normal;
+in float road_m;
+
+#ifndef CHANNELS
+layout(binding = 5) uniform sampler2D ground_textures[3];  // of grass, rock and gravel, linear light
+// Their repeats, m: two, the second turned, whose mixture changes from place to place. Both fit into NOISE_PERIOD, also as
+// turned by (3, 4) / 5. Where a pixel holds so much of the ground that repeats would be seen side by side, their mean
+// takes over, with the noise of the material's own look.
+const float kRepeat_m = 4.0, kTurnedRepeat_m = 12.8, kTextured_m = 0.06;
+
+vec3 ground_texture(sampler2D texture, vec2 place, float footprint, float share, float shade) {
+  // Bounded: what is sampled at a place that is not finite, or far off, may never end.
+  vec2 p = clamp(place, vec2(-65536.0), vec2(65536.0));
+  float size = clamp(footprint, 1e-4, 64.0);
+  vec2 turned = vec2(3.0 * p.x + 4.0 * p.y, 3.0 * p.y - 4.0 * p.x) / 5.0;
+  vec3 a = textureGrad(texture, p / kRepeat_m, vec2(size / kRepeat_m, 0.0), vec2(0.0, size / kRepeat_m)).rgb;
+  vec3 b = textureGrad(texture, turned / kTurnedRepeat_m, vec2(size / kTurnedRepeat_m, 0.0),
+                       vec2(0.0, size / kTurnedRepeat_m)).rgb;
+  vec3 mean = textureLod(texture, vec2(0.5), 16.0).rgb;
+  float near = 1.0 / (1.0 + size * size / (kTextured_m * kTextured_m));
+  return mix(mean * shade, mix(a, b, clamp(0.5 + 0.8 * share, 0.0, 1.0)) * mix(shade, 1.0, 0.5), near);
+}
+#endif
 
 #ifdef HOLLOWS
 in vec3 in_tile;
@@ -71,7 +94,17 @@ void main() {
   float band = relative.z - ground.x + 9.0 * middle.x + 14.0 * broad;
   float strata = noise_value(band, 37.0, 8.0) * noise_band(8.0, footprint) * 0.6 +
                  noise_value(band, 71.0, 32.0) * noise_band(32.0, footprint) * 0.6;
-  vec3 albedo = ground_albedo(bareness, steepness, altitude, broad, middle.x, fine, strata);
+  vec3 grass = ground_grass(altitude, broad, middle.x, fine), rock = ground_rock(middle.x, fine, strata);
+  vec3 gravel = ground_gravel(fine);
+  int textured = int(ground.z);
+  float shade = 1.0 + 0.3 * broad + 0.3 * middle.x + 0.4 * fine;
+  if ((textured & 1) != 0) grass = ground_texture(ground_textures[0], place, footprint, middle.x, shade);
+  if ((textured & 2) != 0) rock = ground_texture(ground_textures[1], place, footprint, middle.x, shade + 0.5 * strata);
+  if ((textured & 4) != 0) gravel = ground_texture(ground_textures[2], place, footprint, middle.x, shade);
+  float verge = ground_verge(road_m, middle.x, fine, footprint);
+  vec3 albedo = mix(mix(grass, rock, bareness), ground_snow(),
+                    ground_snowiness(steepness, altitude, broad, middle.x, fine));
+  albedo = mix(albedo, gravel, verge);
   // Bumps of the rock up to 3 m, of the meadow up to 0.6 m.
   vec3 bumped = normalize(normal - vec3(middle.yz, 0.0) * mix(0.7, 4.0, bareness));
   out_color = vec4(frame_shade(albedo, frame_light(bumped, relative)), 1.0);

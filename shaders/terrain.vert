@@ -3,10 +3,12 @@
 
 layout(location = 0) in vec3 in_position;  // relative to the tile's origin, m
 layout(location = 1) in vec3 in_normal;
+layout(location = 2) in float in_road;     // distance from the nearest carriageway, m, up to 16
 layout(location = 0) uniform vec3 tile;    // the tile's origin relative to the eye, m
 
 out vec3 relative;
 out vec3 ground_normal;
+out float road_m;
 #ifdef HOLLOWS
 out vec3 in_tile;
 #endif
@@ -14,6 +16,7 @@ out vec3 in_tile;
 void main() {
   relative = in_position + tile;
   ground_normal = in_normal;
+  road_m = in_road;
 #ifdef HOLLOWS
   in_tile = in_position;
 #endif

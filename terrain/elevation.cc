@@ -22,6 +22,8 @@ namespace {
 
 constexpr double kMetresPerDegree = 6371008.8 * std::numbers::pi / 180;
 constexpr double kFoot_m = 0.3048, kSurveyFoot_m = 1200.0 / 3937.0;
+// The Earth's ground, with room: what is beyond is a number that overflowed or another unit.
+constexpr double kLowest_m = -12000, kHighest_m = 9000;
 constexpr std::int64_t kMostPosts = std::int64_t{1} << 28;
 
 struct CloseDataset {
@@ -119,13 +121,35 @@ bool each_height(GDALDataset& dataset, HeightEncoding encoding, int columns, int
   return true;
 }
 
+// Posts that say what no ground on the Earth is.
+struct Impossible {
+  std::size_t count = 0;
+  double height_m = 0;  // of the first
+  glm::dvec2 at{0, 0};
+
+  std::string text() const {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "%zu posts have heights that no ground has, such as %.0f m at x %.6f, y %.6f: a number that overflowed, "
+        "or another unit?",
+        count, height_m, at.x, at.y);
+    return text;
+  }
+};
+
 // Marks what is no height. Rows go north.
-bool read_posts(GDALDataset& dataset, HeightEncoding encoding, Grid& grid, std::vector<std::uint8_t>& known) {
+bool read_posts(GDALDataset& dataset, HeightEncoding encoding, Grid& grid, std::vector<std::uint8_t>& known,
+                Impossible& impossible) {
   grid.values.resize(static_cast<std::size_t>(grid.columns) * grid.rows);
   known.assign(grid.values.size(), 1);
   return each_height(dataset, encoding, grid.columns, grid.rows, [&](int row, int column, double height) {
     const std::size_t i = static_cast<std::size_t>(row) * grid.columns + column;
-    known[i] = !std::isnan(height);
+    known[i] = height >= kLowest_m && height <= kHighest_m;
+    if (!known[i] && !std::isnan(height) && impossible.count++ == 0) {
+      impossible.height_m = height;
+      impossible.at = grid.origin_m + grid.step_m * glm::dvec2(column, row);
+    }
     grid.values[i] = known[i] ? static_cast<float>(height) : 0.0f;
   });
 }
@@ -288,8 +312,13 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
   if (auto error = impl->reference(spatial, diagnostics)) return *error;
 
   std::vector<std::uint8_t> known;
-  if (!read_posts(*dataset, encoding, grid, known)) {
+  Impossible impossible;
+  if (!read_posts(*dataset, encoding, grid, known, impossible)) {
     return at_file(path, ErrorCode::kIo, "reading the heights failed: " + std::string(CPLGetLastErrorMsg()));
+  }
+  if (impossible.count == known.size()) return at_file(path, ErrorCode::kData, impossible.text());
+  if (impossible.count > 0 && diagnostics != nullptr) {
+    diagnostics->push_back({Severity::kWarning, impossible.text() + " They count as voids", path});
   }
   if (std::count(known.begin(), known.end(), std::uint8_t{1}) == 0) {
     return at_file(path, ErrorCode::kData, "the raster holds no heights, only voids");

@@ -32,7 +32,7 @@ class Elevation {
  public:
   // Reads any raster that GDAL reads: GeoTIFF, ESRI ASCII grid, SRTM .hgt, VRT mosaics of many, and the same inside a
   // .zip (the first member that is a raster). Heights in feet become metres by the band's unit; scale and offset are
-  // applied. Voids (the file's no-data value, -32768, not finite) are filled from around them, see fill_holes. Heights
+  // applied. Voids (the file's no-data value, -32768, not finite, with a diagnostic below -12 km or above 9 km) are filled from around them, see fill_holes. Heights
   // are taken as the file has them, above the geoid or the ellipsoid: vertical_datum() says what the file says of that.
   // An image without a place whose path ends in zoom/x/y is a tile of the web map's Mercator grid.
   // A file without a coordinate system whose extent fits into [-180, 180] x [-90, 90] is taken for WGS84 longitude and

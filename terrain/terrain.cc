@@ -321,10 +321,13 @@ void Terrain::Impl::emit(const KnownHeights& ground, const VertexDetail& detail)
   std::vector<std::uint32_t> local(mesh->vertices());
   std::vector<std::int32_t> seen(mesh->vertices(), -1);
   std::vector<glm::vec3> normals(mesh->vertices());
+  std::vector<float> road_m(mesh->vertices());
   for_each_index(normals.size(), [&](std::size_t v) {
     const glm::dvec2 at(mesh->lattice(static_cast<std::uint32_t>(v))), east(1, 0), north(0, 1);
     const glm::dvec2 slope(height_m(ground, at + east) - height_m(ground, at - east),
                            height_m(ground, at + north) - height_m(ground, at - north));
+    road_m[v] = static_cast<float>(
+        std::min(ground.ground().edge_distance_m(to_world(at), TerrainMesh::kVerge_m), TerrainMesh::kVerge_m));
     normals[v] = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * unit_m)));
   });
   tell(0.9);
@@ -342,6 +345,7 @@ void Terrain::Impl::emit(const KnownHeights& ground, const VertexDetail& detail)
         const glm::dvec2 flat = unit_m * glm::dvec2(mesh->lattice(v) - centre);
         out.positions_m.emplace_back(flat.x, flat.y, mesh->height(v) - z0);
         out.normals.push_back(normals[v]);
+        out.road_m.push_back(road_m[v]);
         out.error_m.push_back(detail.error_m[v]);
         out.radius_m.push_back(detail.radius_m[v]);
       }

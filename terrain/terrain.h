@@ -57,9 +57,11 @@ struct TerrainOptions {
 // A square tile of the mesh, 0.5 to 1 km wide (more in worlds beyond 50 km). Positions are floats relative to the origin and exact: x and y are multiples of 1/64 m,
 // z of 1/1024 m, so that neighbouring tiles meet without a gap.
 struct TerrainMesh {
+  static constexpr double kVerge_m = 16;
   glm::dvec3 origin_m{0, 0, 0};
   std::vector<glm::vec3> positions_m;    // relative to origin_m
   std::vector<glm::vec3> normals;        // unit, of the levelled ground itself, not of the triangles
+  std::vector<float> road_m;             // from the nearest carriageway on the ground, at most kVerge_m; empty: far
   std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise seen from above
   // Triangles that may reach into tunnels come last, in groups: what of a group lies in one of its hollows is cut away.
   struct Cut {

@@ -118,6 +118,7 @@ void exchange(Archive& with, Tile& tile) {
   with(tile.origin_m);
   with(tile.positions_m);
   with(tile.normals);
+  with(tile.road_m);
   with(tile.triangles);
   with(tile.cuts);
   with(tile.hollows);

@@ -31,11 +31,35 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
   app.add_option("--scene", options.props_path, "Scene file of objects, props.json: see README. Default: none");
   app.add_option("--environment", options.environment_path,
                  "Panorama, .exr or .hdr, that objects mirror and that is the sky. Default: the procedural sky");
+  app.add_option(
+      "--ground-texture", options.ground_textures,
+      "grass=FILE, rock=FILE or gravel=FILE: a picture of 4 m x 4 m that shows the ground there. May be given "
+      "several times");
   app.add_option("--context", options.context, "osmesa, egl or window. Default: osmesa");
   app.add_option("--egl-device", options.egl_device, "Index of the EGL device. Default: the surfaceless display");
 }
 
 namespace {
+
+struct MaterialPicture {
+  GroundMaterial material;
+  Image8 picture;
+};
+
+// "grass=FILE", read. Errors: kUsage for another material; as read_image8.
+Result<MaterialPicture> read_texture(const std::string& text) {
+  const std::size_t at = text.find('=');
+  const std::string material = text.substr(0, at);
+  constexpr std::pair<const char*, GroundMaterial> kNames[] = {
+      {"grass", GroundMaterial::kGrass}, {"rock", GroundMaterial::kRock}, {"gravel", GroundMaterial::kGravel}};
+  for (const auto& [name, value] : kNames) {
+    if (material != name || at == text.npos) continue;
+    auto picture = read_image8(text.substr(at + 1));
+    if (!picture) return picture.error();
+    return MaterialPicture{value, std::move(*picture)};
+  }
+  return Error{ErrorCode::kUsage, "--ground-texture '" + text + "': expected grass=FILE, rock=FILE or gravel=FILE"};
+}
 
 // From the cache where that holds it; else built, and kept there.
 Result<Terrain> ground_of(const SceneOptions& options, const Network& network, const Elevation* elevation,
@@ -75,6 +99,12 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   if (!kind) return kind.error();
   const auto encoding = height_encoding_from_name(options.dem_encoding);
   if (!encoding) return encoding.error();
+  std::vector<MaterialPicture> textures;
+  for (const std::string& text : options.ground_textures) {
+    auto texture = read_texture(text);
+    if (!texture) return texture.error();
+    textures.push_back(std::move(*texture));
+  }
   // Before the terrain, which takes longer and needs no context.
   std::optional<ObjectScene> props;
   if (!options.props_path.empty()) {
@@ -114,6 +144,9 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   auto renderer = Renderer::create(*scene.context);
   if (!renderer) return renderer.error();
   scene.renderer.emplace(std::move(*renderer));
+  for (const MaterialPicture& texture : textures) {
+    if (Status s = scene.renderer->set_ground_texture(texture.material, texture.picture); !s) return s.error();
+  }
   if (Status s = scene.renderer->load_roads(network); !s) return s.error();
   if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
   if (props) {

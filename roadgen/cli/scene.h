@@ -23,6 +23,7 @@ struct SceneOptions {
   std::string ground_cache_path;  // empty: the ground is built every time
   std::string props_path;         // a scene file of objects; empty: none
   std::string environment_path;   // a panorama; empty: the procedural sky
+  std::vector<std::string> ground_textures;
   std::string context = "osmesa";
   int egl_device = -1;
   int width = 1280, height = 720;

@@ -35,31 +35,6 @@ constexpr double kPortal_m = 25,
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-struct ClassLimits {
-  const char* name;
-  HeightLimits limits;
-};
-constexpr std::array<ClassLimits, 18> kClasses = {{
-    {"motorway", {0.06, 1.0 / 3000}},
-    {"motorway_link", {0.08, 1.0 / 750}},
-    {"trunk", {0.08, 1.0 / 1500}},
-    {"trunk_link", {0.1, 1.0 / 400}},
-    {"primary", {0.15, 1.0 / 250}},
-    {"primary_link", {0.15, 1.0 / 200}},
-    {"secondary", {0.15, 1.0 / 200}},
-    {"secondary_link", {0.15, 1.0 / 150}},
-    {"tertiary", {0.18, 1.0 / 150}},
-    {"tertiary_link", {0.18, 1.0 / 100}},
-    {"unclassified", {0.2, 1.0 / 100}},
-    {"residential", {0.2, 1.0 / 75}},
-    {"living_street", {0.22, 1.0 / 50}},
-    {"service", {0.22, 1.0 / 50}},
-    {"track", {0.25, 1.0 / 50}},
-    {"road", {0.18, 1.0 / 150}},
-    {"busway", {0.15, 1.0 / 200}},
-    {"raceway", {0.2, 1.0 / 250}},
-}};
-
 // Where roads' ends meet: a plane through it, whose height and slopes are unknowns.
 struct Node {
   glm::dvec2 at_m{0, 0};
@@ -156,6 +131,8 @@ class HeightFitter {
     const Road& r = network_.roads[road];
     return at_end ? r.segments.back().end_m : r.segments.front().start_m;
   }
+  template <class HasArea, class Join>
+  void join_linked(const HasArea& has_area, const Join& join) const;
   void find_nodes();
   void lay_knots();
   LinearSum sum_of(const Knot& knot, bool grade) const;
@@ -195,6 +172,31 @@ class HeightFitter {
   std::vector<Sample> samples_;
 };
 
+// Calls join for ends (2 road + at_end) that are linked to one another, or to a node without an area and lie in the same
+// place.
+template <class HasArea, class Join>
+void HeightFitter::join_linked(const HasArea& has_area, const Join& join) const {
+  const RoadsById by_id = roads_by_id(network_);
+  std::unordered_map<std::string_view, std::vector<std::uint32_t>> at_bare_node;
+  for (std::uint32_t i = 0; i < network_.roads.size(); ++i) {
+    const Road& road = network_.roads[i];
+    if (skip_[i] || road.segments.empty() || road.closed) continue;
+    for (const std::uint32_t end : {2 * i, 2 * i + 1}) {
+      const RoadLink& link = end % 2 == 0 ? road.predecessor : road.successor;
+      if (link.to == RoadLink::To::kRoad) {
+        const auto found = by_id.find(link.id);
+        if (found != by_id.end()) join(end, 2 * static_cast<std::uint32_t>(found->second) + link.at_end);
+      } else if (link.to == RoadLink::To::kJunction && !has_area(link.id)) {
+        std::vector<std::uint32_t>& others = at_bare_node[link.id];
+        for (const std::uint32_t other : others) {
+          if (glm::distance(end_m(i, end % 2), end_m(other / 2, other % 2)) < kSameSpot_m) join(end, other);
+        }
+        others.push_back(end);
+      }
+    }
+  }
+}
+
 // Ends of roads that meet, by union and find over ends 2 road + at_end and, after those, junctions.
 void HeightFitter::find_nodes() {
   const auto roads = static_cast<std::uint32_t>(network_.roads.size());
@@ -215,25 +217,7 @@ void HeightFitter::find_nodes() {
       join(2 * static_cast<std::uint32_t>(found->second) + arm.at_end, 2 * roads + j);
     }
   }
-  // Ends that are linked to one another, or to a node without an area and lie in the same place.
-  std::unordered_map<std::string_view, std::vector<std::uint32_t>> at_bare_node;
-  for (std::uint32_t i = 0; i < roads; ++i) {
-    const Road& road = network_.roads[i];
-    if (skip_[i] || road.segments.empty() || road.closed) continue;
-    for (const std::uint32_t end : {2 * i, 2 * i + 1}) {
-      const RoadLink& link = end % 2 == 0 ? road.predecessor : road.successor;
-      if (link.to == RoadLink::To::kRoad) {
-        const auto found = by_id.find(link.id);
-        if (found != by_id.end()) join(end, 2 * static_cast<std::uint32_t>(found->second) + link.at_end);
-      } else if (link.to == RoadLink::To::kJunction && !area_of.contains(link.id)) {
-        std::vector<std::uint32_t>& others = at_bare_node[link.id];
-        for (const std::uint32_t other : others) {
-          if (glm::distance(end_m(i, end % 2), end_m(other / 2, other % 2)) < kSameSpot_m) join(end, other);
-        }
-        others.push_back(end);
-      }
-    }
-  }
+  join_linked([&](const std::string& id) { return area_of.contains(id); }, join);
   std::vector<std::uint32_t> members(parent.size(), 0), node_at(parent.size(), kNone);
   for (std::uint32_t i = 0; i < parent.size(); ++i) ++members[root(i)];
   const auto node = [&](std::uint32_t i) {
@@ -604,12 +588,6 @@ Result<HeightFitReport> HeightFitter::run() {
 }
 
 }  // namespace
-
-HeightLimits height_limits(std::string_view road_class) {
-  const auto found =
-      std::find_if(kClasses.begin(), kClasses.end(), [&](const ClassLimits& c) { return c.name == road_class; });
-  return found == kClasses.end() ? HeightLimits{} : found->limits;
-}
 
 Result<HeightFitReport> fit_heights(Network& network, const GroundHeight& ground, const HeightFitOptions& options,
                                     Diagnostics* diagnostics) {

@@ -43,6 +43,9 @@ GroundBatch::Tile GroundBatch::uploaded(const TerrainMesh& mesh) {
   };
   tile.positions = buffer(mesh.positions_m);
   tile.normals = buffer(mesh.normals);
+  tile.road = buffer(mesh.road_m.size() == mesh.positions_m.size()
+                         ? mesh.road_m
+                         : std::vector<float>(mesh.positions_m.size(), static_cast<float>(TerrainMesh::kVerge_m)));
   tile.triangles = buffer(mesh.triangles);
   std::vector<HollowInstance> met;
   for (const TerrainMesh::Cut& cut : mesh.cuts) {
@@ -58,6 +61,10 @@ GroundBatch::Tile GroundBatch::uploaded(const TerrainMesh& mesh) {
     glVertexArrayAttribFormat(array, i, 3, GL_FLOAT, GL_FALSE, 0);
     glVertexArrayAttribBinding(array, i, i);
   }
+  glVertexArrayVertexBuffer(array, 2, tile.road.id(), 0, sizeof(float));
+  glEnableVertexArrayAttrib(array, 2);
+  glVertexArrayAttribFormat(array, 2, 1, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(array, 2, 2);
   tile.mesh.origin_m = mesh.origin_m;
   tile.mesh.roots = mesh.roots;
   tile.mesh.nodes = mesh.nodes;

@@ -17,7 +17,7 @@ namespace roadgen {
 
 class GroundBatch {
  public:
-  // Replaces the ground. Cost: O(triangles); 36 bytes a vertex and 12 a triangle on the GPU.
+  // Replaces the ground. Cost: O(triangles); 40 bytes a vertex and 12 a triangle on the GPU.
   void upload(std::span<const TerrainMesh> tiles);
   bool empty() const { return tiles_.empty(); }
   double low_m() const { return low_m_; }
@@ -41,7 +41,7 @@ class GroundBatch {
   };
   struct Tile {
     gl::VertexArray vertex_array;
-    gl::Buffer positions, normals, triangles, hollows;
+    gl::Buffer positions, normals, road, triangles, hollows;
     TerrainMesh mesh;          // without what only the GPU needs
     GLsizei whole = 0;         // indices of the triangles that meet no tunnel
     gl::Buffer chosen;         // of those that stand for them in the picture, once there was one

@@ -16,6 +16,7 @@
 #include "roadgen/render/frustum.h"
 #include "roadgen/render/gl.h"
 #include "roadgen/render/ground_batch.h"
+#include "roadgen/render/ground_textures.h"
 #include "roadgen/render/junction_batch.h"
 #include "roadgen/render/object_batch.h"
 #include "roadgen/render/program.h"
@@ -125,6 +126,7 @@ struct Renderer::State {
   GroundBatch ground;
   ObjectBatch objects;
   std::uint32_t first_object = 1;  // of the instance channel
+  GroundTextures ground_textures;
   Lighting lighting;
   SunGrid sun_grid;
   unsigned shadow_kinds = 0;  // for which picture is compiled
@@ -160,7 +162,7 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   u.up = glm::dvec4(axes.up, std::min<double>(camera.far_m, std::numeric_limits<float>::max()));
   u.sun = glm::dvec4(direction(lighting.sun_azimuth_deg, lighting.sun_elevation_deg), lighting.haze_range_m);
   u.ground = glm::dvec4(ground.low_m() - camera.position_m.z,
-                        1 / std::max(kLeastRelief_m, ground.high_m() - ground.low_m()), 0, 0);
+                        1 / std::max(kLeastRelief_m, ground.high_m() - ground.low_m()), ground_textures.mask(), 0);
   glNamedBufferSubData(frame_uniforms.id(), 0, sizeof u, &u);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
 }
@@ -181,6 +183,7 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   const Frustum frustum(camera, static_cast<double>(width) / height);
   const auto may_see = [&](glm::dvec3 center, double radius) { return frustum.may_see(center, radius); };
   const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / height;
+  ground_textures.bind();
   ground.draw(programs.ground, programs.ground_at_tunnels, camera.position_m, ground_error_pixels * pixel, may_see);
   if (&programs == &picture) show_ground_to_roads();
   // Objects hide what is behind them, sample by sample; what is drawn after them fades over them.
@@ -254,8 +257,8 @@ Status Renderer::State::draw_picture(const Camera& camera, int width, int height
   // The road's edge fades over the ground drawn before it.
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  if (Status s = draw_scene(picture, camera, width, height, samples, options.least_contribution,
-                            options.ground_error_pixels);
+  if (Status s =
+          draw_scene(picture, camera, width, height, samples, options.least_contribution, options.ground_error_pixels);
       !s) {
     return s;
   }
@@ -395,6 +398,11 @@ Status Renderer::load_environment(const ImageF& panorama) {
 }
 
 ObjectStatistics Renderer::object_statistics() const { return state_->objects.statistics(); }
+
+Status Renderer::set_ground_texture(GroundMaterial material, const Image8& picture) {
+  if (Status s = state_->context.make_current(); !s) return s;
+  return state_->ground_textures.take(material, picture);
+}
 
 GroundStatistics Renderer::ground_statistics() const { return state_->ground.statistics(); }
 

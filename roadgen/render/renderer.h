@@ -110,6 +110,9 @@ struct Lighting {
   double haze_range_m = 9000;     // e-folding length of the view through air, > 0
 };
 
+// What the ground is made of where a texture may show it.
+enum class GroundMaterial { kGrass, kRock, kGravel };
+
 class Renderer {
  public:
   // Compiles the programs. The context must outlive the renderer.
@@ -134,6 +137,9 @@ class Renderer {
   // it (roadgen/render/panorama.h), or by default the procedural sky. Roads and ground keep the light of that.
   // Errors: kData: not three channels, or no pixels; kShader.
   Status load_environment(const ImageF& panorama);
+  // A picture, sRGB, that repeats every 4 m and, turned, every 12.8 m, in place of the material's own colours; for all
+  // ground, also of later loads. Errors: kData: no pixels; kContext.
+  Status set_ground_texture(GroundMaterial material, const Image8& picture);
   void set_lighting(const Lighting& lighting);
   static constexpr int kBytesPerSegment = 124;
   RoadStatistics road_statistics() const;

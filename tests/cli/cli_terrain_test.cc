@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -171,6 +172,19 @@ TEST_F(TerrainCommand, GroundIsKeptInAFile) {
   for (const char* name : {"read", "again"}) {
     EXPECT_EQ(test::text_of(folder_->path(std::string(name) + ".color.png")),
               test::text_of(folder_->path("built.color.png")));
+  }
+}
+
+TEST_F(TerrainCommand, TexturesThatCannotServeAreRefused) {
+  for (const auto& [texture, code, words] : {std::tuple("moss=a.jpg", 2, "expected grass=FILE"),
+                                             {"grass", 2, "expected"},
+                                             {"grass=/none.jpg", 1, "/none.jpg"}}) {
+    const Outcome run = test::roadgen({"render", net(), "--follow", "1,400,0,2", "--size", "32x20", "--ground-texture",
+                                       texture, "-o", folder_->path("textured")});
+    EXPECT_EQ(run.code, code) << run.err;
+    ASSERT_FALSE(run.error_lines().empty());
+    EXPECT_NE(run.error_lines().back().find(words), std::string::npos) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_->path("textured.color.png")));
   }
 }
 

@@ -150,6 +150,83 @@ TEST_F(GroundTest, ThePictureHasLevelsOfDetailAndTheDataChannelsHaveNone) {
 }
 
 // The picture's samples lie off the pixel's centre, where the ground may be nearer than the road is at the centre.
+// Nothing pops: along a flight, whose triangles are chosen again for every frame, a frame differs from the one of all
+// triangles by little, and by as little from frame to frame.
+TEST_F(GroundTest, LevelsOfDetailDoNotPop) {
+  auto terrain = Terrain::build(network_, &*elevation_);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  RendererOptions all;
+  all.ground_error_pixels = 0;
+  auto picture = Renderer::create(*make_context(ContextKind::kOsmesa));
+  auto whole = Renderer::create(*make_context(ContextKind::kOsmesa), all);
+  ASSERT_TRUE(picture.ok() && whole.ok());
+  ASSERT_TRUE(picture->load_ground(terrain->tiles()).ok() && whole->load_ground(terrain->tiles()).ok());
+  std::vector<int> off(256, 0);  // pixels by how far their strongest channel is off
+  double worst_mean = 0, worst_step = 0, before = 0;
+  constexpr int kFrames = 30;
+  for (int i = 0; i < kFrames; ++i) {
+    const Camera camera = flight_camera(network_.roads[0], 1000 + 1.3 * i, {});
+    const FrameOptions request{.width = kWidth, .height = kHeight, .channels = kColor};
+    const auto a = picture->render(camera, request), b = whole->render(camera, request);
+    ASSERT_TRUE(a.ok() && b.ok());
+    double sum = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        int most = 0;
+        for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(a->color.at(x, y, c) - b->color.at(x, y, c)));
+        ++off[static_cast<std::size_t>(most)];
+        sum += most;
+      }
+    }
+    const double mean = sum / (kWidth * kHeight);
+    worst_mean = std::max(worst_mean, mean);
+    if (i > 0) worst_step = std::max(worst_step, std::abs(mean - before));
+    before = mean;
+  }
+  int many = 0;
+  for (std::size_t i = 17; i < off.size(); ++i) many += off[i];
+  const double part = many / static_cast<double>(kFrames * kWidth * kHeight);
+  std::printf(
+      "off by %.3f / 255 at most on the mean, from frame to frame by %.4f; %.5f of the pixels by more than 16\n",
+      worst_mean, worst_step, part);
+  EXPECT_LT(worst_mean, 0.5);
+  EXPECT_LT(worst_step, 0.02);
+  EXPECT_LT(part, 0.001);
+}
+
+// A picture in place of the grass; what is no picture is refused.
+TEST_F(GroundTest, TexturesShowTheGround) {
+  auto terrain = Terrain::build(network_, &*elevation_);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa));
+  ASSERT_TRUE(renderer.ok() && renderer->load_ground(terrain->tiles()).ok());
+  EXPECT_EQ(renderer->set_ground_texture(GroundMaterial::kGrass, Image8()).error().code, ErrorCode::kData);
+  const auto red_part = [&] {
+    const auto frame = renderer->render(drive_camera(network_.roads[0], 300, 6, 2),
+                                        {.width = kWidth, .height = kHeight, .channels = kColor | kLabel});
+    EXPECT_TRUE(frame.ok());
+    int red = 0, ground = 0;
+    for (int y = kHeight / 2; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (static_cast<Label>(frame->label.at(x, y, 0)) != Label::kGround) continue;
+        ++ground;
+        red += frame->color.at(x, y, 0) > 2 * frame->color.at(x, y, 1);
+      }
+    }
+    EXPECT_GT(ground, 5000);
+    return red / static_cast<double>(ground);
+  };
+  EXPECT_LT(red_part(), 0.001);
+  for (const auto& [width, height] : {std::pair(2, 2), {5, 3}}) {  // any size
+    Image8 red(width, height, 3);
+    for (std::size_t i = 0; i < red.pixels.size(); i += 3) red.pixels[i] = 200;
+    for (const GroundMaterial m : {GroundMaterial::kGrass, GroundMaterial::kRock, GroundMaterial::kGravel}) {
+      ASSERT_TRUE(renderer->set_ground_texture(m, red).ok());
+    }
+    EXPECT_GT(red_part(), 0.98);
+  }
+}
+
 TEST_F(GroundTest, NoGroundIsMixedIntoTheRoadsPicture) {
   auto terrain = Terrain::build(network_, &*elevation_);
   ASSERT_TRUE(terrain.ok()) << terrain.error().text();

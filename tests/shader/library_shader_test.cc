@@ -59,8 +59,10 @@ SHADER_CASE(Harmonics, 3, 9, vec3 d = normalize(vec3(x[0], x[1], x[2])); for (in
               y[i] = light_harmonic_cosine(i) * light_harmonic(i, d); })
 SHADER_CASE(HalfVector, 3, 3, vec3 h = light_half_vector(x[0], x[1], x[2]); y[0] = h.x; y[1] = h.y; y[2] = h.z;)
 SHADER_CASE(Ground, 6, 3, float bare = ground_bareness(x[0], x[1], x[2], x[3], x[4]);
-                          vec3 c = ground_albedo(bare, x[0], x[1], x[2], x[3], x[4], x[5]);
+                          vec3 c = mix(mix(ground_grass(x[1], x[2], x[3], x[4]), ground_rock(x[3], x[4], x[5]), bare),
+                                       ground_snow(), ground_snowiness(x[0], x[1], x[2], x[3], x[4]));
                           y[0] = c.x; y[1] = c.y; y[2] = c.z;)
+SHADER_CASE(Verge, 4, 2, y[0] = ground_verge(x[0], x[1], x[2], x[3]); vec3 c = ground_gravel(x[2]); y[1] = c.x;)
 SHADER_CASE(Asphalt, 3, 1, vec3 c = ground_asphalt(x[0], x[1], x[2]); y[0] = c.x;)
 SHADER_CASE(JunctionCutHeight, 13, 6,
             JunctionCut c = JunctionCut(x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12]);
@@ -205,7 +207,7 @@ const FunctionCase kCases[] = {
     {"noise_fractal", NoiseFractal, uniform_inputs({{-200, 200}, {-200, 200}, {0, 4}}), 3.4e-6},
     {"sky_gradient", Sky, uniform_inputs({{-1, 1}, {-1, 1}}), 6e-7},  // pow of the driver
     {"sky_light", Light, uniform_inputs({{-1, 1}, {0, 20}, {0, 30000}, {0.9995, 1}}), 5.3e-4,
-     5},  // the sun's rim: / 1e-4
+     5},                                                           // the sun's rim: / 1e-4
     {"light_refracted", Refracted, refraction_inputs, 1e-4, 170},  // a square root near the rim
     {"light_metal_roughness", MetalRoughness,
      uniform_inputs({{-1, 1}, {-1, 1}, {0.05, 1}, {-1, 1}, {-1, 1}, {0.05, 1}, {0, 1}, {0.2, 1}, {1, 2.5}}), 1e-5, 64},
@@ -213,7 +215,8 @@ const FunctionCase kCases[] = {
      400},  // the power of 60
     {"light_harmonic", Harmonics, uniform_inputs({{-1, 1}, {-1, 1}, {-1, 1}}), 1e-6},
     {"light_half_vector", HalfVector, uniform_inputs({{0, 0.999}, {0, 1}, {0.05, 1}}), 1e-5, 64},
-    {"ground_albedo", Ground, uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
+    {"ground_materials", Ground, uniform_inputs({{0, 0.6}, {0, 1}, {-1, 1}, {-1, 1}, {-1, 1}, {-1, 1}}), 2.3e-6, 50},
+    {"ground_verge", Verge, uniform_inputs({{0, 16}, {-1, 1}, {-1, 1}, {0, 4}}), 2e-6},
     {"ground_asphalt", Asphalt, uniform_inputs({{0, 1}, {-1, 1}, {-1, 1}}), 1e-7},
     {"junction_height_cut", JunctionCutHeight, cut_inputs, 9e-6, 16},
     {"junction_height_corner", JunctionCornerHeight, corner_inputs, 2.4e-6, 6},
@@ -243,8 +246,8 @@ class LibraryShader : public GlTest, public ::testing::WithParamInterface<Functi
 
 TEST_P(LibraryShader, MatchesDoublePrecision) {
   if (!make_context(ContextKind::kOsmesa)) return;
-  check_case({"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl", "lib/light.glsl",
-              "lib/ground.glsl", "lib/material.glsl", "lib/junction.glsl"},
+  check_case({"lib/road.glsl", "lib/surface.glsl", "lib/marking.glsl", "lib/noise.glsl", "lib/sky.glsl",
+              "lib/light.glsl", "lib/ground.glsl", "lib/material.glsl", "lib/junction.glsl"},
              GetParam(), 100000);
 }
 
