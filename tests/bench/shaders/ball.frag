@@ -1,19 +1,29 @@
-// Lit as the ray-cast spheres are.
+// Lit as the ray-cast spheres are, but not by what only their rays know: nothing is mirrored sharply or seen through.
 #include "frame.glsl"
 #include "objects.glsl"
-#include "object_light.glsl"
 
 in vec3 normal;
 in vec3 position;
 flat in vec3 tint;
 layout(location = 0) out vec4 out_color;
 
+struct ObjectSite {
+  vec3 normal;
+};
+vec3 object_normal(ObjectSite site, vec3 offset) { return site.normal; }
+vec2 object_uv(ObjectSite site, vec3 offset) { return vec2(0.0); }
+bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
+  next = site;
+  return false;
+}
+
+#include "object_light.glsl"
+
 void main() {
   ObjectPoint p;
   p.position = position;
   p.normal = normalize(normal);
-  p.uv = vec2(0.0);
   p.material = 0u;
   p.tint = tint;
-  out_color = vec4(frame_tone(object_light(p)), 1.0);
+  out_color = vec4(frame_tone(object_light(p, ObjectSite(p.normal))), 1.0);
 }
