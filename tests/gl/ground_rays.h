@@ -1,6 +1,7 @@
 // The ground of a picture against the roads, pixel by pixel, by rays in double: what none of its pixels may show.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -31,6 +32,9 @@ struct GroundCounts {
 
   // Of off_mesh: where a triangle is seen edge on, what the rasterizer rounds may take a pixel's place beyond its end.
   static constexpr double kMostOffMesh = 1e-5;
+  bool is_on_mesh() const {
+    return static_cast<double>(off_mesh) <= std::max(1.0, kMostOffMesh * static_cast<double>(ground));
+  }
 
   std::size_t faults() const { return in_tunnels + above + through; }
   void print(const char* name) const {

@@ -133,7 +133,7 @@ TEST_F(GroundSupportTest, NoGroundInsideATunnelOrInFrontOfARoad) {
   EXPECT_EQ(counts.above, 0u);
   EXPECT_EQ(counts.through, 0u);
   EXPECT_EQ(counts.lost, 0u);
-  EXPECT_LE(static_cast<double>(counts.off_mesh), GroundCounts::kMostOffMesh * static_cast<double>(counts.ground));
+  EXPECT_TRUE(counts.is_on_mesh());
 }
 
 TEST_F(GroundSupportTest, NorAtTheCoarsestLevelOfDetail) {
@@ -326,7 +326,7 @@ TEST_P(GroundOfPlaces, ShowsNoGroundInTunnelsOrInFrontOfRoads) {
   EXPECT_GT(counts.ground, static_cast<std::size_t>(500 * cameras));
   EXPECT_GT(counts.road, static_cast<std::size_t>(300 * cameras));
   EXPECT_EQ(counts.faults(), 0u);
-  EXPECT_LE(static_cast<double>(counts.off_mesh), GroundCounts::kMostOffMesh * static_cast<double>(counts.ground));
+  EXPECT_TRUE(counts.is_on_mesh());
   EXPECT_LE(counts.lost, most_lost(counts));
 }
 
