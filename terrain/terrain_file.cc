@@ -24,7 +24,7 @@ class Hash {
       mix(word);
     }
     std::uint64_t rest = 0;
-    std::memcpy(&rest, at, bytes);
+    if (bytes > 0) std::memcpy(&rest, at, bytes);  // of no bytes there may be no place either
     mix(rest ^ (std::uint64_t{bytes} << 56));
   }
   template <class T>

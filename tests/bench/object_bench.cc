@@ -312,15 +312,18 @@ void print_spheres(Context& context, const std::string& name, const SphereSet& s
   camera.position_m = 0.5 * glm::dvec3(low + high) - glm::dvec3(distance * radius, 0, 0);
   ObjectScene scene;
   scene.sphere_sets.push_back(set);
+  // Lit as the peer's are, but for one: Phong, no shadows.
+  scene.materials.push_back({.model = ObjectMaterial::Model::kPhong});
   const FrameOptions frame{.width = kSize, .height = kSize, .samples = 1};
   Renderer rectangle = need(Renderer::create(context)), polygon = need(Renderer::create(context)),
-           every = need(Renderer::create(context));
-  need(rectangle.load_objects(scene));
-  need(polygon.load_objects(scene, {.rectangle = false}));
-  need(every.load_objects(scene, {.occlusion = false}));
+           every = need(Renderer::create(context)), shadowed = need(Renderer::create(context));
+  need(rectangle.load_objects(scene, {.shadows = false}));
+  need(polygon.load_objects(scene, {.rectangle = false, .shadows = false}));
+  need(every.load_objects(scene, {.occlusion = false, .shadows = false}));
+  need(shadowed.load_objects(scene));
   const Tessellation mesh(set, camera);
   RenderTarget target = need(RenderTarget::create({kSize, kSize}));
-  Times times[4];
+  Times times[5];
   const std::optional<Peer> before = vtk(set, camera, repeats);
   for (int i = -1; i < repeats; ++i) {
     Times ignored;
@@ -332,6 +335,7 @@ void print_spheres(Context& context, const std::string& name, const SphereSet& s
       mesh.draw(target);
       static_cast<void>(target.read_rgba8());
     });
+    into(4).add([&] { need(shadowed.render(camera, frame)); });
   }
   const std::optional<Peer> after = vtk(set, camera, repeats);
   fmt::print("\n{}: {} spheres, eye {} radii away, {} x {} pixels, read back; median of {}\n\n", name, set.items.size(),
@@ -346,8 +350,9 @@ void print_spheres(Context& context, const std::string& name, const SphereSet& s
   const std::string names[] = {
       fmt::format("roadgen, rectangles ({} drawn)", rectangle.object_statistics().drawn_spheres), "roadgen, octagons",
       "roadgen, rectangles, hidden ones drawn too",
-      fmt::format("tessellated within half a pixel ({} triangles)", mesh.triangles())};
-  for (int k = 0; k < 4; ++k) row(names[k], median(times[k].process), median(times[k].wall));
+      fmt::format("tessellated within half a pixel ({} triangles)", mesh.triangles()),
+      "roadgen, rectangles, with the sun's shadows"};
+  for (int k = 0; k < 5; ++k) row(names[k], median(times[k].process), median(times[k].wall));
   if (peer) {
     row(fmt::format("VTK's sphere mapper ({:.0f} % covered)", 100 * before->cover), of_vtk,
         0.5 * (before->wall_ms + after->wall_ms));
@@ -380,7 +385,7 @@ void print_full_screen(Context& context, int repeats) {
     double spent[2];
     for (const bool texture : {false, true}) {
       Renderer renderer = need(Renderer::create(context));
-      need(renderer.load_objects(scene, {.rectangle = false, .texture_space = texture}));
+      need(renderer.load_objects(scene, {.rectangle = false, .texture_space = texture, .shadows = false}));
       Times times;
       for (int i = 0; i < repeats; ++i) {
         times.add([&] { need(renderer.render(camera, {.width = kSize, .height = kSize, .samples = 1})); });
