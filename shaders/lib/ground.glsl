@@ -22,7 +22,7 @@ FN vec3 ground_rock(IN(float) middle, IN(float) fine, IN(float) strata) {
              clamp(0.5 + 0.35 * middle + 0.45 * strata + 0.30 * fine, float(0.0), float(1.0)));
 }
 
-FN vec3 ground_gravel(IN(float) fine) { return vec3(0.150, 0.138, 0.118) * (1.0 + 0.6 * fine); }
+FN vec3 ground_gravel(IN(float) fine) { return vec3(0.150, 0.138, 0.118) * (1.0 + 0.25 * fine); }
 
 // What of the ground is snow, 0 to 1.
 FN float ground_snowiness(IN(float) steepness, IN(float) altitude, IN(float) broad, IN(float) middle, IN(float) fine) {

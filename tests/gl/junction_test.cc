@@ -380,7 +380,7 @@ TEST_F(JunctionRender, NoGroundIsMixedIntoTheSeamOfFlatSidewalks) {
               worst);
   EXPECT_GT(compared, 100000u);
   // A pixel longer than the underlap holds the area's edge too, whose part it shares with the strip's: a little ground.
-  // How much that shows is up to the ground's colours: with the gravel at roads, 15 levels and 3.4 in 1,000; on grass
+  // How much that shows is up to the ground's colours: with the gravel at roads, 14 levels and 3.6 in 1,000; on grass
   // alone, 8 and 1.0.
   EXPECT_LE(worst, 20);
   EXPECT_LE(static_cast<double>(mixed), 4.5e-3 * static_cast<double>(compared));
