@@ -10,6 +10,7 @@
 #include <glm/common.hpp>
 
 #include "roadgen/geodesy/local_frame.h"
+#include "roadgen/road/off_ground.h"
 #include "terrain/levelling.h"
 
 namespace roadgen {
@@ -73,18 +74,6 @@ double hills(glm::dvec2 p) {
     p = glm::dvec2(1.6 * p.x - 1.2 * p.y, 1.2 * p.x + 1.6 * p.y);  // twice as fine, and turned
   }
   return sum;
-}
-
-// On a bridge or in a tunnel, where the road's height is not the ground's.
-bool is_off_ground(const Road& road, double s_m) {
-  // Ends too: another bridge may follow.
-  constexpr double kRounding_m = 1e-6;
-  const auto holds = [&](const auto& part) {
-    return part.s_start_m - kRounding_m <= s_m && s_m <= part.s_end_m + kRounding_m;
-  };
-  return std::any_of(road.bridges.begin(), road.bridges.end(), holds) ||
-         std::any_of(road.sweeps.begin(), road.sweeps.end(),
-                     [&](const Sweep& sweep) { return sweep.kind() == SweepKind::kTunnel && holds(sweep); });
 }
 
 // Calls place(point, z) along the centre lines, at most step_m apart; those off the ground, too, or not.

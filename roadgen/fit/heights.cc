@@ -13,6 +13,7 @@
 #include "roadgen/fit/linear_fit.h"
 #include "roadgen/fit/passings.h"
 #include "roadgen/road/crossing.h"
+#include "roadgen/road/off_ground.h"
 
 namespace roadgen {
 namespace {
@@ -96,17 +97,6 @@ double cover_m(const Road& road, double s_m) {
     return tunnel.wall_height_m + tunnel.arch_rise_m + tunnel.lining_m + kCover_m;
   }
   return 0;
-}
-
-// On a bridge or in a tunnel.
-bool is_off_ground(const Road& road, double s_m) {
-  constexpr double kRounding_m = 1e-6;
-  const auto holds = [&](const auto& part) {
-    return part.s_start_m - kRounding_m <= s_m && s_m <= part.s_end_m + kRounding_m;
-  };
-  return std::any_of(road.bridges.begin(), road.bridges.end(), holds) ||
-         std::any_of(road.sweeps.begin(), road.sweeps.end(),
-                     [&](const Sweep& sweep) { return sweep.kind() == SweepKind::kTunnel && holds(sweep); });
 }
 
 bool is_level_across(const Road& road) {
