@@ -18,7 +18,9 @@ constexpr double kMostOutside_m = 0.5;
 constexpr double kMostStep_m = 0.3;
 constexpr double kMostFree = 0.5;  // part of the area: shoulders and medians that no way leads over
 constexpr double kWidest_m = 500;  // area, and carriageway of a connecting road
-constexpr double kProbe_m = 0.5;   // distance of the places looked at
+constexpr double kCell_m = 1;      // of the area, covered where a way leads through
+constexpr double kMargin_m = 0.5;  // from the area's edge, where no cell is looked at
+
 const Road* find(const Network& network, const RoadsById& ids, const std::string& id) {
   const auto at = ids.find(id);
   return at == ids.end() ? nullptr : &network.roads[at->second];
@@ -125,16 +127,16 @@ bool are_level(const Junction& area, const Road& road) {
 }
 
 // Where the connecting roads' carriageways are not the area's surface; empty where they are. Places may be as far apart as
-// this: surfaces are smooth, and of a bend of radius 5 m that reaches beyond the area by 0.5 m, 4.5 m of edge are outside.
+// they are: surfaces are smooth, and of a bend of radius 5 m that reaches beyond the area by 0.5 m, 4.5 m of edge are outside.
 std::string departure(const Junction& area, const JunctionSurface& surface, const Network& network,
                       const std::vector<std::size_t>& ways) {
-  constexpr double kStep_m = 2;
+  constexpr double kAlong_m = 4, kAcross_m = 2;
   constexpr double kFar_m = 2 * kMostOutside_m;  // which distances beyond need not be told apart
   const char* why = "";
   for (const std::size_t way : ways) {
     const bool level = are_level(area, network.roads[way]);
     const bool agrees = visit_carriageway(
-        network.roads[way], kStep_m, kStep_m,
+        network.roads[way], kAlong_m, kAcross_m,
         [&](const Segment& segment, double local, double n, glm::dvec2 p, bool is_edge) {
           if (level && !is_edge) return true;
           if (!is_inside(surface, p)) {
@@ -156,25 +158,28 @@ std::string departure(const Junction& area, const JunctionSurface& surface, cons
 bool is_mostly_free(const JunctionSurface& surface, const Network& network, const std::vector<std::size_t>& ways) {
   const glm::dvec2 low = glm::dvec2(surface.center_m) + glm::dvec2(surface.low_m);
   const glm::dvec2 size = glm::dvec2(surface.high_m) - glm::dvec2(surface.low_m);
-  const int columns = 1 + static_cast<int>(size.x / kProbe_m), rows = 1 + static_cast<int>(size.y / kProbe_m);
-  std::vector<bool> covered(static_cast<std::size_t>(columns) * rows, false);
-  // Closer than the cells are wide, so that none of those that a road covers is missed.
+  const int columns = 1 + static_cast<int>(size.x / kCell_m), rows = 1 + static_cast<int>(size.y / kCell_m);
+  std::vector<char> covered(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
+  const auto at = [&](int x, int y) -> char& {
+    return covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x)];
+  };
+  // Closer than the cells are wide, so that none of those that a road covers is missed. Edges are left out: as many cells
+  // are half covered as are half missed.
   for (const std::size_t way : ways) {
-    visit_carriageway(network.roads[way], 0.4 * kProbe_m, 0.5 * kProbe_m,
-                      [&](const Segment&, double, double, glm::dvec2 p, bool) {
-                        const int x = static_cast<int>(std::floor((p.x - low.x) / kProbe_m));
-                        const int y = static_cast<int>(std::floor((p.y - low.y) / kProbe_m));
-                        if (x >= 0 && x < columns && y >= 0 && y < rows)
-                          covered[static_cast<std::size_t>(y) * columns + x] = true;
+    visit_carriageway(network.roads[way], 0.4 * kCell_m, 0.5 * kCell_m,
+                      [&](const Segment&, double, double, glm::dvec2 p, bool is_edge) {
+                        const glm::dvec2 cell = (p - low) / kCell_m;
+                        if (!is_edge && cell.x >= 0 && cell.y >= 0 && cell.x < columns && cell.y < rows)
+                          at(static_cast<int>(cell.x), static_cast<int>(cell.y)) = 1;
                         return true;
                       });
   }
   std::size_t inside = 0, free = 0;
-  for (int y = 0; y < rows; y += 2) {
-    for (int x = 0; x < columns; x += 2) {
-      if (signed_distance_m(surface, low + kProbe_m * glm::dvec2(x + 0.5, y + 0.5), kProbe_m) < kProbe_m) continue;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) {
+      if (signed_distance_m(surface, low + kCell_m * glm::dvec2(x + 0.5, y + 0.5), kMargin_m) < kMargin_m) continue;
       ++inside;
-      free += covered[static_cast<std::size_t>(y) * columns + x] ? 0 : 1;
+      free += at(x, y) ? 0 : 1;
     }
   }
   return static_cast<double>(free) > kMostFree * static_cast<double>(inside);
