@@ -89,27 +89,30 @@ Meetings meetings(const Network& network, const RoadsById& ids) {
 }
 
 // Calls visit(segment, local s, signed offset n, place, whether it is an edge) for places of a connecting road's
-// carriageway, at most across_m apart across it and along_m along the reference line of a bend, twice that where it is
-// straight; until visit returns false, as then does this.
+// carriageway, at most across_m apart across it and along_m along the reference line, its ends included; until visit
+// returns false, as then does this.
 template <class Visit>
 bool visit_carriageway(const Road& road, double along_m, double across_m, const Visit& visit) {
-  for (const Segment& segment : road.segments) {
-    const bool straight = segment.slope_start == 0 && segment.slope_end == 0;
-    const int along = 1 + static_cast<int>((straight ? 0.5 : 1) * segment.arc_m / along_m);
-    for (int i = 0; i <= along; ++i) {
-      const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
-      const Carriageway c = carriageway_at(road, segment, local);
-      const double heading = heading_rad(segment, u);
-      const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
-      const double cosine = std::cos(segment.superelevation_rad.value(local));
-      const int across = 1 + static_cast<int>((c.left_m - c.right_m) / across_m);
-      for (int j = 0; j <= across; ++j) {
-        const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
-        if (!visit(segment, local, n, middle + n * left, j == 0 || j == across)) return false;
-      }
+  const auto visit_across = [&](const Segment& segment, double local) {
+    const double u = u_at_arc(segment, local), heading = heading_rad(segment, u);
+    const Carriageway c = carriageway_at(road, segment, local);
+    const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
+    const double cosine = std::cos(segment.superelevation_rad.value(local));
+    const int across = 1 + static_cast<int>((c.left_m - c.right_m) / across_m);
+    for (int j = 0; j <= across; ++j) {
+      const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
+      if (!visit(segment, local, n, middle + n * left, j == 0 || j == across)) return false;
     }
+    return true;
+  };
+  double next_m = 0;  // from the segment's start
+  for (const Segment& segment : road.segments) {
+    for (; next_m < segment.arc_m; next_m += along_m) {
+      if (!visit_across(segment, next_m)) return false;
+    }
+    next_m -= segment.arc_m;
   }
-  return true;
+  return visit_across(road.segments.back(), road.segments.back().arc_m);
 }
 
 // Whether all of the area and of the road are level and near one another in height.
@@ -130,7 +133,7 @@ bool are_level(const Junction& area, const Road& road) {
 // they are: surfaces are smooth, and of a bend of radius 5 m that reaches beyond the area by 0.5 m, 4.5 m of edge are outside.
 std::string departure(const Junction& area, const JunctionSurface& surface, const Network& network,
                       const std::vector<std::size_t>& ways) {
-  constexpr double kAlong_m = 4, kAcross_m = 2;
+  constexpr double kAlong_m = 3, kAcross_m = 2;
   constexpr double kFar_m = 2 * kMostOutside_m;  // which distances beyond need not be told apart
   const char* why = "";
   for (const std::size_t way : ways) {
