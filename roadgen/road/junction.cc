@@ -290,10 +290,13 @@ std::string outline_fault(const Junction& junction) {
   const std::size_t n = o.points.size();
   o.points.push_back(o.points.front());
   const std::vector<glm::dvec2>& point = o.points;
-  // An edge is tested against the edges of those runs of them whose box it touches.
+  // Runs of edges first, by their boxes; then an edge against those of a run whose box it touches.
   constexpr std::size_t kRun = 8;
   struct Box {
     glm::dvec2 low{1e300, 1e300}, high{-1e300, -1e300};
+    bool touches(const Box& other) const {
+      return low.x <= other.high.x && low.y <= other.high.y && high.x >= other.low.x && high.y >= other.low.y;
+    }
   };
   std::vector<Box> boxes((n + kRun - 1) / kRun);
   for (std::size_t i = 0; i < n; ++i) {
@@ -301,18 +304,24 @@ std::string outline_fault(const Junction& junction) {
     box.low = glm::min(box.low, glm::min(point[i], point[i + 1]));
     box.high = glm::max(box.high, glm::max(point[i], point[i + 1]));
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    const glm::dvec2 low = glm::min(point[i], point[i + 1]), high = glm::max(point[i], point[i + 1]);
-    for (std::size_t run = (i + 2) / kRun; run < boxes.size(); ++run) {
-      const Box& box = boxes[run];
-      if (low.x > box.high.x || low.y > box.high.y || high.x < box.low.x || high.y < box.low.y) continue;
-      for (std::size_t j = std::max(i + 2, run * kRun); j < std::min(n, (run + 1) * kRun); ++j) {
-        if (i == 0 && j == n - 1) continue;  // neighbours
-        if (!meet(point[i], point[i + 1], point[j], point[j + 1])) continue;
-        const JunctionArm &a = junction.arms[o.owner[i]], &b = junction.arms[o.owner[j]];
-        return explained(junction.arms, "the area's edges cross at " + name_of(a) +
-                                            (&a == &b ? "" : " and " + name_of(b)) +
-                                            ": move the ends apart or turn them toward one another");
+  const auto fault_between = [&](std::size_t i, std::size_t run) -> std::string {
+    const Box edge{glm::min(point[i], point[i + 1]), glm::max(point[i], point[i + 1])};
+    if (!edge.touches(boxes[run])) return {};
+    for (std::size_t j = std::max(i + 2, run * kRun); j < std::min(n, (run + 1) * kRun); ++j) {
+      if (i == 0 && j == n - 1) continue;  // neighbours
+      if (!meet(point[i], point[i + 1], point[j], point[j + 1])) continue;
+      const JunctionArm &a = junction.arms[o.owner[i]], &b = junction.arms[o.owner[j]];
+      return explained(junction.arms, "the area's edges cross at " + name_of(a) +
+                                          (&a == &b ? "" : " and " + name_of(b)) +
+                                          ": move the ends apart or turn them toward one another");
+    }
+    return {};
+  };
+  for (std::size_t from = 0; from < boxes.size(); ++from) {
+    for (std::size_t to = from; to < boxes.size(); ++to) {
+      if (!boxes[from].touches(boxes[to])) continue;
+      for (std::size_t i = from * kRun; i < std::min(n, (from + 1) * kRun); ++i) {
+        if (std::string fault = fault_between(i, to); !fault.empty()) return fault;
       }
     }
   }
