@@ -240,10 +240,14 @@ std::string arms_fault(const std::vector<JunctionArm>& arms) {
       return name_of(a) + ": the carriageway's edges must lie left and right of the reference line";
     }
   }
+  std::vector<glm::dvec2> left, right;  // ends of the cuts
+  for (const JunctionArm& a : arms) {
+    left.push_back(cut_point_m(a, a.left_m));
+    right.push_back(cut_point_m(a, a.right_m));
+  }
   for (std::size_t i = 0; i < arms.size(); ++i) {
     for (std::size_t j = i + 1; j < arms.size(); ++j) {
-      if (meet(cut_point_m(arms[i], arms[i].left_m), cut_point_m(arms[i], arms[i].right_m),
-               cut_point_m(arms[j], arms[j].left_m), cut_point_m(arms[j], arms[j].right_m))) {
+      if (meet(left[i], right[i], left[j], right[j])) {
         return "the ends of " + name_of(arms[i]) + " and " + name_of(arms[j]) + " overlap: shorten one of them";
       }
     }
@@ -361,14 +365,14 @@ bool is_sound(const Segment& s) {
 void check_corner(const Junction& junction, std::size_t i, std::vector<std::string>& found) {
   const std::vector<Segment>& pieces = junction.corners[i];
   const JunctionArm &arm = junction.arms[i], &next = junction.arms[(i + 1) % junction.arms.size()];
-  const std::string where = "junction " + junction.id + ": corner from " + name_of(arm) + " to " + name_of(next) + ": ";
-  if (pieces.empty() || !std::all_of(pieces.begin(), pieces.end(), is_sound)) {
-    found.push_back(where + (pieces.empty() ? "no pieces" : "a piece has no length or is not finite"));
-    return;
-  }
   const auto add = [&](const std::string& fault) {
-    if (!fault.empty()) found.push_back(where + fault);
+    if (fault.empty()) return;
+    found.push_back("junction " + junction.id + ": corner from " + name_of(arm) + " to " + name_of(next) + ": " +
+                    fault);
   };
+  if (pieces.empty() || !std::all_of(pieces.begin(), pieces.end(), is_sound)) {
+    return add(pieces.empty() ? "no pieces" : "a piece has no length or is not finite");
+  }
   const Segment &first = pieces.front(), &last = pieces.back();
   add(gap(first.start_m, heading_rad(first, 0), first.elevation_m.value(0), first.elevation_m.slope(0),
           cut_point_m(arm, arm.right_m), arm.heading_rad, cut_height_m(arm, arm.right_m), arm.grade,
