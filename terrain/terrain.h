@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -132,8 +133,10 @@ class Terrain {
   const TerrainReport& report() const;
 
   // Height of the mesh, as drawn; outside its area that of the nearest place of its border. Over tunnels the hill's; at
-  // their portals also where a part of a triangle is cut away, to be looked through. Cost: O(log) , < 1 us.
+  // their portals also where a part of a triangle is cut away, to be looked through. Cost: O(log), some 0.1 us.
   double height_m(glm::dvec2 point_m) const;
+  // Of many points, the same heights in less time. Requires: as many of both.
+  void heights_m(std::span<const glm::dvec2> points_m, std::span<double> heights_m) const;
   // Unit normal of the triangle there.
   glm::dvec3 normal(glm::dvec2 point_m) const;
 

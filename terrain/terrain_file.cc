@@ -128,8 +128,13 @@ void exchange(Archive& with, Tile& tile) {
   with(tile.radius_m);
 }
 
-template <class Archive, class Impl, class Kept>
-void exchange_all(Archive& with, Impl& impl, Kept& mesh) {
+struct Heights {
+  std::vector<std::int32_t> nodes;
+  std::vector<HeightMesh::Leaf> leaves;
+};
+
+template <class Archive, class Impl, class Heights>
+void exchange_all(Archive& with, Impl& impl, Heights& heights) {
   with(impl.report);
   with(impl.tiles);
   with(impl.unit_m);
@@ -137,10 +142,8 @@ void exchange_all(Archive& with, Impl& impl, Kept& mesh) {
   with(impl.k);
   with(impl.tile_count);
   with(impl.hollows);
-  with(mesh.triangles);
-  with(mesh.child);
-  with(mesh.lattice);
-  with(mesh.heights);
+  with(heights.nodes);
+  with(heights.leaves);
 }
 
 Error data_error(const char* what, const std::string& path) { return Error{ErrorCode::kData, what, path}; }
@@ -176,8 +179,9 @@ std::uint64_t terrain_key(std::string_view network_file, const Elevation* elevat
 Status write_terrain_file(const Terrain& terrain, std::uint64_t key, const std::string& path) {
   const Terrain::Impl& impl = *terrain.impl_;
   Writer writer;
-  const Bisection::Kept mesh = impl.mesh->kept();
-  exchange_all(writer, impl, mesh);
+  const HeightMesh& mesh = impl.heights;
+  const Heights heights{{mesh.nodes().begin(), mesh.nodes().end()}, {mesh.leaves().begin(), mesh.leaves().end()}};
+  exchange_all(writer, impl, heights);
   Hash checksum;
   checksum.add(writer.bytes().data(), writer.bytes().size());
   const std::uint64_t sum = checksum.value();
@@ -215,11 +219,12 @@ Result<Terrain> read_terrain_file(const std::string& path, std::uint64_t key) {
   checksum.add(bytes.data(), bytes.size());
   if (!file || checksum.value() != sum) return data_error("the terrain file is damaged", path);
   auto impl = std::make_unique<Terrain::Impl>();
-  Bisection::Kept mesh;
+  const auto heights = std::make_shared<Heights>();
   Reader reader(bytes);
-  exchange_all(reader, *impl, mesh);
+  exchange_all(reader, *impl, *heights);
   if (!reader.good()) return data_error("the terrain file is damaged", path);
-  impl->mesh = std::make_unique<Bisection>(impl->tile_count, impl->k, std::move(mesh));
+  impl->heights = HeightMesh(impl->tile_count, impl->k, kVertical_m, heights->nodes, heights->leaves, heights);
+  if (!impl->heights.is_sound()) return data_error("the terrain file is damaged", path);
   impl->index_hollows();
   return Terrain(std::move(impl));
 }

@@ -10,10 +10,13 @@
 
 #include "terrain/bisection.h"
 #include "terrain/detail.h"
+#include "terrain/height_mesh.h"
 #include "terrain/plates.h"
 #include "terrain/terrain.h"
 
 namespace roadgen {
+
+constexpr double kVertical_m = 1.0 / 1024;  // quantum of the mesh's heights
 
 // Heights of the levelled ground near roads, where they take long and are asked for again and again: by the triangles
 // on both sides of an edge, for its vertex when it is halved, by neighbours for normals. Any number of threads may ask.
@@ -55,7 +58,8 @@ struct Terrain::Impl {
   glm::dvec2 origin_m{0, 0};
   int k = 9;
   glm::ivec2 tile_count{1, 1};
-  std::unique_ptr<Bisection> mesh;
+  std::unique_ptr<Bisection> mesh;  // while it is built
+  HeightMesh heights;
   std::vector<Hollow> hollows;
   BoxTree hollow_tree;
 
