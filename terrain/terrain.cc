@@ -372,6 +372,7 @@ void Terrain::Impl::emit(const KnownHeights& ground, const VertexDetail& detail)
       into.insert(into.end(), corner.begin(), corner.end());
     }
     add_cuts(cut, out);
+    order_by_error(out);
     tiles.push_back(std::move(out));
     tell(0.9 + 0.1 * (tile + 1) / (tile_count.x * tile_count.y));
   }
@@ -429,11 +430,23 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   impl->emit(known, detail);
   impl->heights = HeightMesh(*impl->mesh, kVertical_m);
   impl->mesh.reset();
+  impl->keep(std::make_shared<const std::vector<TerrainMesh>>(std::move(impl->tiles)));
   impl->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return Terrain(std::move(impl));
 }
 
-const std::vector<TerrainMesh>& Terrain::tiles() const { return impl_->tiles; }
+void Terrain::Impl::keep(std::shared_ptr<const std::vector<TerrainMesh>> all) {
+  stored = ground_in_memory(all);
+  meshes = std::move(all);
+}
+
+const std::vector<TerrainMesh>& Terrain::tiles() const {
+  std::call_once(impl_->meshes_read, [&] {
+    if (!impl_->meshes) impl_->meshes = std::make_shared<const std::vector<TerrainMesh>>(meshes_of(*impl_->stored));
+  });
+  return *impl_->meshes;
+}
+std::shared_ptr<const GroundSource> Terrain::ground() const { return impl_->stored; }
 const TerrainReport& Terrain::report() const { return impl_->report; }
 
 double Terrain::height_m(glm::dvec2 point_m) const { return impl_->heights.height_m(impl_->to_lattice(point_m)); }

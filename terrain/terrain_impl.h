@@ -10,6 +10,7 @@
 
 #include "terrain/bisection.h"
 #include "terrain/detail.h"
+#include "terrain/ground_source.h"
 #include "terrain/height_mesh.h"
 #include "terrain/plates.h"
 #include "terrain/terrain.h"
@@ -53,7 +54,10 @@ class KnownHeights {
 struct Terrain::Impl {
   TerrainOptions options;
   TerrainReport report;
-  std::vector<TerrainMesh> tiles;
+  std::vector<TerrainMesh> tiles;  // while they are made
+  std::shared_ptr<const GroundSource> stored;
+  std::shared_ptr<const std::vector<TerrainMesh>> meshes;  // its tiles; of a file, once they were asked for
+  std::once_flag meshes_read;
   double unit_m = 1;  // of the lattice
   glm::dvec2 origin_m{0, 0};
   int k = 9;
@@ -66,6 +70,7 @@ struct Terrain::Impl {
   glm::dvec2 to_world(glm::dvec2 lattice) const { return origin_m + unit_m * lattice; }
   glm::dvec2 to_lattice(glm::dvec2 point_m) const { return (point_m - origin_m) / unit_m; }
 
+  void keep(std::shared_ptr<const std::vector<TerrainMesh>> all);
   void lay_out(const Network& network, const Elevation* elevation);
   Grid natural_ground(const Network& network, const Elevation* elevation) const;
   std::array<glm::dvec3, 3> corners(const Bisection::Triangle& t) const;
