@@ -164,6 +164,15 @@ void order_by_error(TerrainMesh& tile) {
   std::copy(all.begin(), all.end(), tile.triangles.begin());
 }
 
+DetailGap gap_of(const GroundTile& tile, std::uint32_t bands) {
+  DetailGap gap{glm::dvec2(tile.origin_m) + glm::dvec2(tile.low_m), glm::dvec2(tile.origin_m) + glm::dvec2(tile.high_m),
+                tile.bands[bands].error_m, 0};
+  for (std::size_t i = bands; i < tile.bands.size(); ++i) {
+    gap.radius_m = std::max(gap.radius_m, static_cast<double>(tile.bands[i].radius_m));
+  }
+  return gap;
+}
+
 std::uint32_t bands_needed(const GroundTile& tile, const Detail& detail) {
   auto count = static_cast<std::uint32_t>(tile.bands.size());
   if (detail.part <= 0) return count;

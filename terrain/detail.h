@@ -56,6 +56,9 @@ struct Detail {
   std::vector<DetailGap> gaps = {};
 };
 
+// The gap of a tile of which only the first bands are there. Requires: at least one, and not all.
+DetailGap gap_of(const GroundTile& tile, std::uint32_t bands);
+
 // How many bands of a tile the detail asks for, if there are no gaps. Requires: the tile has nodes. Cost: O(bands).
 std::uint32_t bands_needed(const GroundTile& tile, const Detail& detail);
 

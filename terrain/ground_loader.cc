@@ -61,20 +61,26 @@ Status GroundLoader::wish(const std::vector<Wish>& wishes, std::size_t most_byte
   std::vector<bool> is_granted(loaded_.size(), false);
   std::size_t bytes = 0;
   for (const Wish& wish : wishes) {
-    bytes += source_->tiles()[wish.tile].bytes(std::max(wish.bands, loaded(wish.tile)));
-    if (bytes > most_bytes && !granted.empty()) break;
+    const std::size_t of_tile = source_->tiles()[wish.tile].bytes(std::max(wish.bands, loaded(wish.tile)));
+    if (bytes + of_tile > most_bytes) break;
+    bytes += of_tile;
     granted.push_back(wish);
     is_granted[wish.tile] = true;
   }
   Status failed = Done{};
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const bool is_too_much = bytes_ > most_bytes;
-    for (std::size_t i = 0; is_too_much && i < loaded_.size(); ++i) {
+    // Room for what is granted.
+    for (std::size_t i = 0; i < loaded_.size(); ++i) {
+      if (!is_granted[i]) bytes += source_->tiles()[i].bytes(loaded(i));
+    }
+    for (std::size_t i = 0; bytes > most_bytes && i < loaded_.size(); ++i) {
       if (is_granted[i] || loaded(i) == 0) continue;
+      bytes -= source_->tiles()[i].bytes(loaded(i));
       set_loaded(i, 0);
       source_->release(i);
     }
+    most_bytes_ = most_bytes;
     wishes_ = std::move(granted);
     std::swap(failed, failed_);
   }
@@ -85,7 +91,11 @@ Status GroundLoader::wish(const std::vector<Wish>& wishes, std::size_t most_byte
 std::optional<GroundLoader::Wish> GroundLoader::next() const {
   const auto found =
       std::find_if(wishes_.begin(), wishes_.end(), [&](const Wish& w) { return loaded(w.tile) < w.bands; });
-  return found == wishes_.end() ? std::nullopt : std::optional(*found);
+  if (found == wishes_.end()) return std::nullopt;
+  // What load() has taken in the meantime counts too.
+  const GroundTile& tile = source_->tiles()[found->tile];
+  const std::uint32_t have = loaded(found->tile);
+  return bytes_ + tile.bytes(have + 1) - tile.bytes(have) > most_bytes_ ? std::nullopt : std::optional(*found);
 }
 
 void GroundLoader::run() {

@@ -35,8 +35,8 @@ class GroundLoader {
     std::size_t tile;
     std::uint32_t bands;
   };
-  // What is to be read from now on, the first first, in place of earlier wishes; as much of it as goes into the bytes. Where
-  // more is held, tiles that are not among it are released. Errors: the source's, of earlier wishes.
+  // What is to be read from now on, the first first, in place of earlier wishes; as much of it as goes into the bytes. Other
+  // tiles are released as far as that needs room. Errors: the source's, of earlier wishes.
   Status wish(const std::vector<Wish>& wishes, std::size_t most_bytes);
 
  private:
@@ -49,7 +49,7 @@ class GroundLoader {
   std::vector<std::atomic<std::uint32_t>> loaded_;  // written under the mutex
   mutable std::mutex mutex_;                        // of all below
   std::condition_variable wished_;
-  std::size_t bytes_ = 0;
+  std::size_t bytes_ = 0, most_bytes_ = 0;  // loaded; that the thread may come to
   std::vector<Wish> wishes_;
   Status failed_ = Done{};
   bool ends_ = false;

@@ -121,14 +121,7 @@ std::vector<GroundBatch::Seen> GroundBatch::see(const GroundView& view, Detail& 
     const std::uint32_t needed = bands_needed(tile, detail);
     const std::uint32_t bands = view.waits ? needed : std::min(needed, std::max(loader_->loaded(i), 1u));
     seen.push_back({i, bands});
-    if (bands == needed) continue;
-    DetailGap& gap = detail.gaps.emplace_back();
-    gap.low_m = glm::dvec2(tile.origin_m) + glm::dvec2(tile.low_m);
-    gap.high_m = glm::dvec2(tile.origin_m) + glm::dvec2(tile.high_m);
-    gap.error_m = tile.bands[bands].error_m;
-    for (std::size_t b = bands; b < tile.bands.size(); ++b) {
-      gap.radius_m = std::max(gap.radius_m, static_cast<double>(tile.bands[b].radius_m));
-    }
+    if (bands < needed) detail.gaps.push_back(gap_of(tile, bands));
   }
   return seen;
 }

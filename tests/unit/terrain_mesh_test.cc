@@ -315,6 +315,74 @@ TEST(Terrain, LevelsOfDetailHaveNoCracksAndStayWithinTheirError) {
   expect_no_cracks(coarsest, report.area);
 }
 
+// Whatever part of whichever tiles has been read, the rest is drawn coarser without cracks, and from no more than is there.
+TEST(Terrain, TilesThatAreNotAllThereFitTogether) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  TerrainOptions options = small();
+  options.margin_m = 900;
+  const auto terrain = Terrain::build(hairpin_network(0.08), &elevation, options);
+  ASSERT_TRUE(terrain);
+  const std::span<const GroundTile> tiles = terrain->ground()->tiles();
+  ASSERT_GT(tiles.size(), 3u);
+  std::mt19937 random(15);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::size_t lacking = 0;
+  for (int trial = 0; trial < 24; ++trial) {
+    const Rectangle& area = terrain->report().area;
+    const glm::dvec2 flat = glm::mix(area.low_m, area.high_m, glm::dvec2(unit(random), unit(random)));
+    Detail detail{{flat, terrain->height_m(flat) + 2}, 1, 1e-5 * std::pow(1000, unit(random))};
+    std::vector<std::uint32_t> bands;
+    for (const GroundTile& tile : tiles) {
+      const std::uint32_t needed = bands_needed(tile, detail);
+      bands.push_back(unit(random) < 0.5 ? needed : 1 + static_cast<std::uint32_t>(unit(random) * needed));
+      if (bands.back() >= needed) continue;
+      detail.gaps.push_back(gap_of(tile, bands.back()));
+      ++lacking;
+    }
+    std::vector<TerrainMesh> drawn = terrain->tiles();
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      // What is not there is no number, so that whatever reads it is found.
+      const std::uint32_t known = tiles[i].bands[bands[i] - 1].vertices;
+      const auto lose = [&](std::vector<float>& of) { std::fill(of.begin() + known, of.end(), NAN); };
+      lose(drawn[i].error_m);
+      lose(drawn[i].radius_m);
+      std::vector<std::uint32_t> chosen;
+      select_triangles(view_of(drawn[i]), bands[i], detail, chosen);
+      for (const std::uint32_t v : chosen) ASSERT_LT(v, known);
+      drawn[i].triangles = chosen;
+    }
+    expect_no_cracks(drawn, area);
+  }
+  EXPECT_GT(lacking, 20u);
+}
+
+// The bands are meshes of their own, of falling error, and the first holds what is always drawn.
+TEST(Terrain, BandsGoFromCoarseToFine) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  const auto terrain = Terrain::build(hairpin_network(0.1), &elevation, small());
+  ASSERT_TRUE(terrain);
+  for (const TerrainMesh& tile : terrain->tiles()) {
+    ASSERT_FALSE(tile.bands.empty());
+    EXPECT_EQ(tile.bands.back().vertices, tile.positions_m.size());
+    EXPECT_EQ(tile.bands.back().nodes, tile.nodes.size());
+    std::size_t band = 0;
+    float error = std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
+      if (i == tile.bands[band].nodes) ++band;
+      const TerrainMesh::Node& node = tile.nodes[i];
+      EXPECT_TRUE(node.child < 0 || node.child > static_cast<std::int32_t>(i));
+    }
+    for (std::size_t i = tile.bands[0].vertices; i < tile.error_m.size(); ++i) {
+      EXPECT_LE(tile.error_m[i], error);
+      error = tile.error_m[i];
+      EXPECT_FALSE(std::isinf(error));
+    }
+    for (const std::uint32_t v : std::span(tile.triangles).subspan(tile.whole())) {
+      EXPECT_LT(v, tile.bands[0].vertices);
+    }
+  }
+}
+
 TEST(Terrain, HeightIsThatOfTheDrawnTriangles) {
   const Elevation elevation = rough_elevation(scratch_folder());
   const auto terrain = Terrain::build(hairpin_network(0.1), &elevation, small());
