@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -12,6 +13,7 @@
 #include "roadgen/road/parallel.h"
 #include "terrain/bisection.h"
 #include "terrain/ground_source.h"
+#include "terrain/horizon.h"
 #include "terrain/terrain.h"
 
 namespace roadgen {
@@ -184,40 +186,105 @@ std::uint32_t bands_needed(const GroundTile& tile, const Detail& detail) {
   return count;
 }
 
-void select_triangles(const GroundTile& tile, std::uint32_t bands, const Detail& detail,
-                      std::vector<std::uint32_t>& triangles) {
-  triangles.clear();
-  const glm::dvec3 eye = detail.eye_m - tile.origin_m;
-  const std::uint32_t known = tile.bands[bands - 1].vertices;
-  const auto is_out = [&](std::uint32_t v, const DetailGap& gap) {
-    if (tile.vertex_error_m[v] > gap.error_m) return false;
-    const glm::dvec2 at(tile.origin_m + glm::dvec3(tile.positions_m[v]));
-    return glm::length(at - glm::clamp(at, gap.low_m, gap.high_m)) + tile.vertex_radius_m[v] <= gap.radius_m;
-  };
-  const auto is_kept = [&](std::uint32_t v) {
-    if (v >= known) return false;
-    const double away = glm::length(glm::dvec3(tile.positions_m[v]) - eye) - tile.vertex_radius_m[v] - detail.room_m;
-    if (!(tile.vertex_error_m[v] > detail.part * std::max(away, 0.0))) return false;
-    return std::none_of(detail.gaps.begin(), detail.gaps.end(), [&](const DetailGap& gap) { return is_out(v, gap); });
-  };
-  struct Pending {
-    std::int32_t node;
-    std::array<std::uint32_t, 3> corners;  // apex, left, right
-  };
-  std::vector<Pending> stack;
-  for (std::int32_t root = 0; root < 2; ++root) stack.push_back({root, tile.roots[static_cast<std::size_t>(root)]});
-  while (!stack.empty()) {
-    const auto [at, c] = stack.back();
-    stack.pop_back();
-    const TerrainMesh::Node& node = tile.nodes[static_cast<std::size_t>(at)];
-    if (node.child == TerrainMesh::Node::kCut) continue;
-    if (node.child == TerrainMesh::Node::kLeaf || (detail.part > 0 && !is_kept(node.middle))) {
-      triangles.insert(triangles.end(), c.begin(), c.end());
-      continue;
-    }
-    stack.push_back({node.child + 1, {node.middle, c[2], c[0]}});
-    stack.push_back({node.child, {node.middle, c[0], c[1]}});
+namespace {
+
+// The way down a tile, from near to far.
+class Selection {
+ public:
+  Selection(const GroundTile& tile, std::uint32_t bands, const Detail& detail, Horizon* horizon,
+            std::vector<std::uint32_t>& triangles)
+      : tile_(tile),
+        detail_(detail),
+        known_(tile.bands[bands - 1].vertices),
+        eye_(detail.eye_m - tile.origin_m),
+        sees_from_((horizon ? horizon->eye_m() : detail.eye_m) - tile.origin_m),
+        horizon_(horizon),
+        triangles_(triangles) {
+    // Those that some of its vertices may reach.
+    const glm::dvec2 low = glm::dvec2(tile.origin_m) + glm::dvec2(tile.low_m);
+    const glm::dvec2 high = glm::dvec2(tile.origin_m) + glm::dvec2(tile.high_m);
+    std::copy_if(detail.gaps.begin(), detail.gaps.end(), std::back_inserter(gaps_), [&](const DetailGap& gap) {
+      return glm::length(glm::max(glm::max(gap.low_m - high, low - gap.high_m), glm::dvec2(0))) <= gap.radius_m;
+    });
   }
+
+  using Corners = std::array<std::uint32_t, 3>;  // apex, left, right
+  // Height of the lowest that was drawn there, from the tile's origin; infinity, negative, if not all was.
+  double visit(std::int32_t at, const Corners& c) {
+    constexpr double kNotAll = -std::numeric_limits<double>::infinity();
+    const TerrainMesh::Node& node = tile_.nodes[static_cast<std::size_t>(at)];
+    const bool is_cut = node.child == TerrainMesh::Node::kCut;
+    const bool is_leaf = node.child < 0 || (detail_.part > 0 && !is_kept(node.middle));
+    Horizon::Sight sight;
+    if (horizon_ && horizon_->is_on()) {
+      sight = horizon_->sight(flat(c[0]), flat(c[1]), flat(c[2]));
+      if (is_cut) horizon_->open(sight);
+      // No part of it is further above its corners than it is from the mesh.
+      const double beyond = is_leaf ? 0 : tile_.vertex_error_m[node.middle];
+      if (!is_cut && horizon_->hides(sight, tile_.origin_m.z + std::max({z(c[0]), z(c[1]), z(c[2])}) + beyond)) {
+        return kNotAll;
+      }
+    }
+    if (is_cut) return kNotAll;
+    double lowest = std::min({z(c[0]), z(c[1]), z(c[2])});
+    if (is_leaf) {
+      triangles_.insert(triangles_.end(), c.begin(), c.end());
+      if (horizon_ && sight.is_about_eye && is_below(c)) horizon_->disable();
+    } else {
+      // The half on the eye's side of the line between them first.
+      const Corners left{node.middle, c[0], c[1]}, right{node.middle, c[2], c[0]};
+      const glm::dvec2 apex(tile_.positions_m[c[0]]), line = glm::dvec2(tile_.positions_m[node.middle]) - apex;
+      const bool is_right_near = line.x * (sees_from_.y - apex.y) - line.y * (sees_from_.x - apex.x) > 0;
+      const double near = is_right_near ? visit(node.child + 1, right) : visit(node.child, left);
+      lowest = std::min(near, is_right_near ? visit(node.child, left) : visit(node.child + 1, right));
+    }
+    if (horizon_ && lowest > kNotAll) horizon_->add(sight, tile_.origin_m.z + lowest);
+    return lowest;
+  }
+
+ private:
+  double z(std::uint32_t v) const { return tile_.positions_m[v].z; }
+  glm::dvec2 flat(std::uint32_t v) const { return glm::dvec2(tile_.origin_m) + glm::dvec2(tile_.positions_m[v]); }
+  bool is_out(std::uint32_t v, const DetailGap& gap) const {
+    if (tile_.vertex_error_m[v] > gap.error_m) return false;
+    const glm::dvec2 at = flat(v);
+    return glm::length(at - glm::clamp(at, gap.low_m, gap.high_m)) + tile_.vertex_radius_m[v] <= gap.radius_m;
+  }
+  bool is_kept(std::uint32_t v) const {
+    if (v >= known_) return false;
+    const double away =
+        glm::length(glm::dvec3(tile_.positions_m[v]) - eye_) - tile_.vertex_radius_m[v] - detail_.room_m;
+    if (!(tile_.vertex_error_m[v] > detail_.part * std::max(away, 0.0))) return false;
+    return std::none_of(gaps_.begin(), gaps_.end(), [&](const DetailGap& gap) { return is_out(v, gap); });
+  }
+  // Whether the eye is not above the triangle that it is over or under.
+  bool is_below(const Corners& c) const {
+    const glm::dvec3 a(tile_.positions_m[c[0]]),
+        normal = glm::cross(glm::dvec3(tile_.positions_m[c[1]]) - a, glm::dvec3(tile_.positions_m[c[2]]) - a);
+    return !(glm::dot(normal, sees_from_ - a) > 0);
+  }
+
+  const GroundTile& tile_;
+  const Detail& detail_;
+  std::vector<DetailGap> gaps_;
+  std::uint32_t known_;
+  glm::dvec3 eye_, sees_from_;  // from the tile's origin
+  Horizon* horizon_;
+  std::vector<std::uint32_t>& triangles_;
+};
+
+}  // namespace
+
+void select_triangles(const GroundTile& tile, std::uint32_t bands, const Detail& detail,
+                      std::vector<std::uint32_t>& triangles, Horizon* horizon) {
+  triangles.clear();
+  Selection selection(tile, bands, detail, horizon, triangles);
+  // The eye's side of the tile's diagonal first; root 0 lies to the right of it.
+  const glm::dvec2 low = glm::dvec2(tile.positions_m[tile.roots[0][2]]),
+                   diagonal = glm::dvec2(tile.positions_m[tile.roots[0][1]]) - low;
+  const glm::dvec2 eye = glm::dvec2((horizon ? horizon->eye_m() : detail.eye_m) - tile.origin_m) - low;
+  const std::size_t near = diagonal.x * eye.y - diagonal.y * eye.x > 0 ? 1 : 0;
+  for (const std::size_t root : {near, 1 - near}) selection.visit(static_cast<std::int32_t>(root), tile.roots[root]);
 }
 
 }  // namespace roadgen

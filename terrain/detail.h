@@ -19,6 +19,7 @@
 namespace roadgen {
 
 class Bisection;
+class Horizon;
 struct GroundTile;
 struct TerrainMesh;
 
@@ -64,9 +65,11 @@ std::uint32_t bands_needed(const GroundTile& tile, const Detail& detail);
 
 // Replaces `triangles` by those of the tile that are to be drawn so, counter-clockwise; but for those of its cuts, which are
 // always drawn. Reads the first `bands` of its bands only. Tiles that are looked at with the same Detail fit together.
+// Those nearer to the eye come first. With a horizon, what is hidden from its eye is left out, and what is drawn added to it:
+// tiles have to be asked for from near to far.
 // Requires: as many bands as are needed, or else a gap for the tile in `detail`, of what is not there. Cost: O(triangles).
 void select_triangles(const GroundTile& tile, std::uint32_t bands, const Detail& detail,
-                      std::vector<std::uint32_t>& triangles);
+                      std::vector<std::uint32_t>& triangles, Horizon* horizon = nullptr);
 
 // What a renderer holds of the ground, and what the last picture or set of channels took.
 struct GroundStatistics {

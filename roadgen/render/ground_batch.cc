@@ -61,6 +61,13 @@ gl::VertexArray vertex_array() {
   return array;
 }
 
+// Whether a point is over or under a tile that has levels of detail.
+bool is_over(const GroundTile& tile, glm::dvec3 point_m) {
+  const glm::dvec3 p = point_m - tile.origin_m;
+  return !tile.nodes.empty() && p.x >= tile.low_m.x && p.x <= tile.high_m.x && p.y >= tile.low_m.y &&
+         p.y <= tile.high_m.y;
+}
+
 // As glMultiDrawElementsIndirect reads it.
 struct DrawCommand {
   std::uint32_t elements, instances, first_element, first_vertex, first_instance;
@@ -123,6 +130,9 @@ std::vector<GroundBatch::Seen> GroundBatch::see(const GroundView& view, Detail& 
     seen.push_back({i, bands});
     if (bands < needed) detail.gaps.push_back(gap_of(tile, bands));
   }
+  // From near to far: what is hidden is then known before it is shaded.
+  const auto away = [&](const Seen& s) { return glm::length(glm::dvec2(tiles[s.tile].center_m() - view.eye_m)); };
+  std::stable_sort(seen.begin(), seen.end(), [&](const Seen& a, const Seen& b) { return away(a) < away(b); });
   return seen;
 }
 
@@ -141,30 +151,6 @@ Status GroundBatch::read_ahead(glm::dvec3 eye_m, const std::vector<Seen>& seen, 
     return is_seen[a.tile] != is_seen[b.tile] ? is_seen[a.tile] : away[a.tile] < away[b.tile];
   });
   return loader_->wish(wishes, budget_bytes_);
-}
-
-std::span<const std::uint32_t> GroundBatch::triangles_of(const Seen& seen, const Detail& detail) {
-  const GroundTile& tile = loader_->source().tiles()[seen.tile];
-  if (tile.nodes.empty()) return tile.triangles;
-  if (detail.part == 0) {
-    select_triangles(tile, seen.bands, detail, all_);
-    return all_;
-  }
-  // Of the gaps, only those that its vertices may reach matter.
-  Tile& made = tiles_[seen.tile];
-  Detail near = detail;
-  const glm::dvec2 low = glm::dvec2(tile.origin_m) + glm::dvec2(tile.low_m);
-  const glm::dvec2 high = glm::dvec2(tile.origin_m) + glm::dvec2(tile.high_m);
-  std::erase_if(near.gaps, [&](const DetailGap& gap) {
-    return glm::length(glm::max(glm::max(gap.low_m - high, low - gap.high_m), glm::dvec2(0))) > gap.radius_m;
-  });
-  if (!made.is_chosen || made.bands != seen.bands || made.gaps != near.gaps) {
-    select_triangles(tile, seen.bands, near, made.triangles);
-    made.is_chosen = true;
-    made.bands = seen.bands;
-    made.gaps = std::move(near.gaps);
-  }
-  return made.triangles;
 }
 
 // Where a vertex lies in the pool; false: there is no room in this batch.
@@ -259,7 +245,7 @@ void GroundBatch::issue(const Drawing& drawing, const Program& ground, const Pro
 }
 
 // Gathers the triangles of a frame, and draws them: the last batch of them by what it leaves in `drawing`.
-Status GroundBatch::make(Drawing& drawing, const Program& ground, const Program& at_tunnels) {
+Status GroundBatch::make(Drawing& drawing, const GroundView& view, const Program& ground, const Program& at_tunnels) {
   const std::span<const GroundTile> tiles = loader_->source().tiles();
   const std::size_t batches = statistics_.batches;
   const auto flush = [&] {
@@ -274,13 +260,20 @@ Status GroundBatch::make(Drawing& drawing, const Program& ground, const Program&
   drawing.commands.clear();
   drawing.is_whole = false;
   statistics_.drawn_triangles = 0;
+  // What is over or under the eye tells whether that is above the ground; it comes first.
+  const bool hides =
+      view.leaves_out_hidden && !drawing.seen.empty() && is_over(tiles[drawing.seen[0].tile], view.eye_m);
+  if (hides) horizon_.begin(view.eye_m, view.pixel_rad, view.nearest_drawn_m);
   for (const bool at_cuts : {false, true}) {
     for (std::uint32_t i = 0; i < drawing.seen.size(); ++i) {
       const Seen& seen = drawing.seen[i];
       const GroundTile& tile = tiles[seen.tile];
       if (at_cuts && tile.cuts.empty()) continue;
       if (Status s = loader_->load(seen.tile, at_cuts ? 1 : seen.bands); !s) return s;
-      if (!at_cuts) add(drawing, i, triangles_of(seen, drawing.detail), {}, flush);
+      if (!at_cuts && !tile.nodes.empty()) {
+        select_triangles(tile, seen.bands, drawing.detail, chosen_, hides ? &horizon_ : nullptr);
+      }
+      if (!at_cuts) add(drawing, i, tile.nodes.empty() ? tile.triangles : chosen_, {}, flush);
       std::uint32_t first_hollow = tiles_[seen.tile].first_hollow;
       for (const TerrainMesh::Cut& cut : at_cuts ? tile.cuts : std::span<const TerrainMesh::Cut>()) {
         const std::size_t first = cut.first - tile.cuts.front().first;
@@ -304,7 +297,6 @@ Status GroundBatch::draw(const Program& ground, const Program& at_tunnels, const
   const bool of_picture = view.part > 0;
   if (of_picture && (view.part != detail_.part || glm::length(view.eye_m - detail_.eye_m) > detail_.room_m)) {
     detail_ = {view.eye_m, kRoom_m, view.part};
-    for (Tile& tile : tiles_) tile.is_chosen = false, tile.triangles = {};
   }
   Detail detail = of_picture ? detail_ : Detail{view.eye_m, 0, 0};
   std::vector<Seen> seen = see(view, detail);
@@ -319,7 +311,8 @@ Status GroundBatch::draw(const Program& ground, const Program& at_tunnels, const
   Drawing& drawing = of_picture ? picture_ : channels_;
   const bool is_same = drawing.is_whole && drawing.replacements == pages_.replacements() && drawing.seen == seen &&
                        drawing.detail.part == detail.part && drawing.detail.gaps == detail.gaps &&
-                       (!of_picture || drawing.detail.eye_m == detail.eye_m);
+                       drawing.detail.eye_m == detail.eye_m && drawing.eye_m == view.eye_m &&
+                       drawing.left_out_hidden == view.leaves_out_hidden;
   Status drawn = Done{};
   if (is_same) {
     statistics_.drawn_triangles = 0;
@@ -328,7 +321,9 @@ Status GroundBatch::draw(const Program& ground, const Program& at_tunnels, const
   } else {
     drawing.seen = std::move(seen);
     drawing.detail = std::move(detail);
-    drawn = make(drawing, ground, at_tunnels);
+    drawing.eye_m = view.eye_m;
+    drawing.left_out_hidden = view.leaves_out_hidden;
+    drawn = make(drawing, view, ground, at_tunnels);
   }
   statistics_.loaded_bytes = loader_->loaded_bytes();
   if (!drawn || loader_->source().is_in_memory()) return drawn;

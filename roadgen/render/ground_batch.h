@@ -22,6 +22,7 @@
 #include "terrain/detail.h"
 #include "terrain/ground_loader.h"
 #include "terrain/ground_source.h"
+#include "terrain/horizon.h"
 
 namespace roadgen {
 
@@ -30,8 +31,10 @@ inline constexpr std::size_t kLeastGroundBytes = 64 << 10;
 
 struct GroundView {
   glm::dvec3 eye_m{0, 0, 0};
-  double part = 0;    // of the distance by which the mesh may be off; 0: not at all
-  bool waits = true;  // for all that is to be read; else what is not there is drawn coarser
+  double part = 0;                            // of the distance by which the mesh may be off; 0: not at all
+  bool waits = true;                          // for all that is to be read; else what is not there is drawn coarser
+  bool leaves_out_hidden = true;              // what is behind nearer ground is not drawn
+  double pixel_rad = 0, nearest_drawn_m = 0;  // as in Horizon::begin
   const std::function<bool(glm::dvec3, double)>& may_see;  // a centre from the eye, and a radius
 };
 
@@ -48,21 +51,16 @@ class GroundBatch {
   const GroundStatistics& statistics() const { return statistics_; }
 
   // at_tunnels is the program for what is cut away there. Requires: depth test on, the frame's uniforms bound. Errors: the
-  // source's. Cost: where part > 0 and the eye has moved by more than kRoom_m, O(triangles drawn) on the CPU.
+  // source's. Cost: where the view has changed, O(triangles drawn) on the CPU.
   Status draw(const Program& ground, const Program& at_tunnels, const GroundView& view);
 
  private:
-  // How far the eye moves before triangles are chosen again.
+  // How far the eye moves before another level of detail is chosen.
   static constexpr double kRoom_m = 1;
 
   struct Tile {
     std::uint32_t first_page = 0;
     GLuint first_hollow = 0;
-    // What was chosen of it for detail_, from these bands and beside these gaps.
-    bool is_chosen = false;
-    std::uint32_t bands = 0;
-    std::vector<DetailGap> gaps;
-    std::vector<std::uint32_t> triangles;
   };
   // A tile in view.
   struct Seen {
@@ -83,6 +81,8 @@ class GroundBatch {
     std::vector<Command> commands;
     // Of which the commands and the indices on the GPU are all; else they have to be made again.
     bool is_whole = false;
+    glm::dvec3 eye_m{0, 0, 0};
+    bool left_out_hidden = true;
     Detail detail;
     std::vector<Seen> seen;
     std::uint64_t replacements = 0;
@@ -90,8 +90,7 @@ class GroundBatch {
 
   std::vector<Seen> see(const GroundView& view, Detail& detail);
   Status read_ahead(glm::dvec3 eye_m, const std::vector<Seen>& seen, const Detail& detail);
-  Status make(Drawing& drawing, const Program& ground, const Program& at_tunnels);
-  std::span<const std::uint32_t> triangles_of(const Seen& seen, const Detail& detail);
+  Status make(Drawing& drawing, const GroundView& view, const Program& ground, const Program& at_tunnels);
   // Adds triangles of a tile, and draws what has gathered as often as there is no more room.
   void add(Drawing& drawing, std::uint32_t place, std::span<const std::uint32_t> triangles, const Command& as,
            const std::function<void()>& flush);
@@ -107,9 +106,10 @@ class GroundBatch {
   gl::VertexArray vertex_array_;
   gl::Buffer pool_, origins_, hollows_, commands_;
   Drawing picture_, channels_;
-  Detail detail_;                       // of the picture, but for its gaps
+  Detail detail_;  // of the picture, but for its gaps
+  Horizon horizon_;
   std::vector<std::uint32_t> indices_;  // of the batch at hand
-  std::vector<std::uint32_t> all_;      // triangles of a tile, for channels
+  std::vector<std::uint32_t> chosen_;   // triangles of a tile
   double low_m_ = 0, high_m_ = 0;
   GroundStatistics statistics_;
 };

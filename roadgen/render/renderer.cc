@@ -186,13 +186,21 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
     return frustum.may_see(center, radius);
   };
   const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / height;
-  ground_textures.bind();
-  const GroundView ground_view = {camera.position_m, ground_error_pixels * pixel, waits, may_see};
-  if (Status s = ground.draw(programs.ground, programs.ground_at_tunnels, ground_view); !s) return s;
-  if (&programs == &picture) show_ground_to_roads();
-  // Objects hide what is behind them, sample by sample; what is drawn after them fades over them.
+  // Ground and objects hide what is behind them, sample by sample; what is drawn after them fades over them.
   const bool blended = glIsEnabled(GL_BLEND);
   glDisable(GL_BLEND);
+  ground_textures.bind();
+  // At the picture's corners what is on the near plane is farther away.
+  const double side = 0.5 * pixel * width, top = 0.5 * pixel * height;
+  const GroundView ground_view = {.eye_m = camera.position_m,
+                                  .part = ground_error_pixels * pixel,
+                                  .waits = waits,
+                                  .leaves_out_hidden = options.cull,
+                                  .pixel_rad = pixel,
+                                  .nearest_drawn_m = camera.near_m * std::sqrt(1 + side * side + top * top),
+                                  .may_see = may_see};
+  if (Status s = ground.draw(programs.ground, programs.ground_at_tunnels, ground_view); !s) return s;
+  if (&programs == &picture) show_ground_to_roads();
   const RenderTarget& target = &programs == &data ? channels : drawn;
   const ObjectView view = {
       camera, width, height, samples, &programs == &data, first_object, target.framebuffer(), target.depth()};

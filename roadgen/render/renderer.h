@@ -82,7 +82,7 @@ struct RendererOptions {
   // Of the ground's vertices and indices on the GPU, and of what is held of a ground that lies in a file. Where one frame
   // needs more, it is drawn in batches. Default: 256 MiB, 5 million triangles. At least 64 KiB
   std::size_t ground_budget_bytes = std::size_t{256} << 20;
-  // False: what lies outside of the view is drawn too, for comparison.
+  // False: roads outside of the view and ground behind nearer ground are drawn too, for comparison.
   bool cull = true;
 };
 
