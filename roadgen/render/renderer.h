@@ -20,6 +20,7 @@
 #include "roadgen/render/road_instance.h"
 #include "roadgen/road/network.h"
 #include "terrain/detail.h"
+#include "terrain/ground_source.h"
 #include "terrain/terrain.h"
 
 namespace roadgen {
@@ -78,7 +79,10 @@ struct RendererOptions {
   // within that, never so that one comes through a road (terrain/detail.h). Data channels show all of it, so that depth
   // and contact agree. 0: the picture too. >= 0. Default: half a pixel
   double ground_error_pixels = 0.5;
-  // False: what lies outside of the view is drawn too, for comparison.
+  // Of the ground's vertices and indices on the GPU, and of what is held of a ground that lies in a file. Where one frame
+  // needs more, it is drawn in batches. Default: 256 MiB, 5 million triangles. At least 64 KiB
+  std::size_t ground_budget_bytes = std::size_t{256} << 20;
+  // False: roads outside of the view and ground behind nearer ground are drawn too, for comparison.
   bool cull = true;
 };
 
@@ -128,6 +132,9 @@ class Renderer {
   // where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
+  // The same without a copy, as Terrain::ground() gives it; it is read as it is seen. Errors: kContext; later, where a frame
+  // is drawn, the source's.
+  Status load_ground(std::shared_ptr<const GroundSource> ground);
   // Replaces the objects; on an error they are as they were. Cost: O(n log n), n objects and spheres.
   // Errors: kData with the object, for the first that check() finds or where the GPU has no room; kUsage: an option out of
   // its range; kShader.
@@ -145,9 +152,10 @@ class Renderer {
   RoadStatistics road_statistics() const;
   GroundStatistics ground_statistics() const;
 
-  // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
+  // Draws and reads back; waits for all ground that the picture shows. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
   Result<Frame> render(const Camera& camera, const FrameOptions& options);
-  // Draws into the framebuffer object `target` of the current context; 0 is a window's own. No read-back.
+  // Draws into the framebuffer object `target` of the current context; 0 is a window's own. No read-back, and no waiting:
+  // ground that still has to be read from a file is drawn coarser, without holes and never above a road.
   // Errors: as render.
   Status draw(const Camera& camera, int width, int height, int samples, unsigned target = 0);
 
