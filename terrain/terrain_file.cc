@@ -11,7 +11,7 @@
 namespace roadgen {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'o', 'a', 'd', 'g', 'n', 'd', '1'};  // the last: of the format
+constexpr char kMagic[8] = {'r', 'o', 'a', 'd', 'g', 'n', 'd', '2'};  // the last: of the format
 
 // FNV-1a of 64 bits by words of 8 bytes. Source: Fowler, Noll and Vo.
 class Hash {
@@ -163,9 +163,10 @@ std::uint64_t terrain_key(std::string_view network_file, const Elevation* elevat
     hash.add(posts.values.data(), posts.values.size() * sizeof(float));
   }
   const LevellingOptions& l = options.levelling;
-  for (const double x : {options.margin_m, options.spacing_m, options.least_clearance_m, options.most_clearance_m,
-                         options.tolerance_m, options.tolerance_per_m, options.rolling_m, l.gap_m, l.shoulder_m,
-                         l.cut_slope, l.fill_slope, l.cover_m, l.reach_m}) {
+  for (const double x :
+       {options.margin_m, options.spacing_m, options.least_clearance_m, options.most_clearance_m, options.tolerance_m,
+        options.tolerance_per_m, options.rolling_m, l.gap_m, l.shoulder_m, l.cut_slope, l.fill_slope, l.cover_m,
+        l.reach_m, l.ditch_depth_m, l.ditch_bottom_m, l.ditch_inner_slope, l.ditch_outer_slope}) {
     hash.add_value(x);
   }
   hash.add_value(options.max_triangles);
