@@ -60,7 +60,7 @@ Hollow::Floor Hollow::floor_at(glm::dvec2 point_m) const {
 }
 
 bool Hollow::may_meet(const std::array<glm::dvec3, 3>& triangle) const {
-  Clipped clipped({local(triangle[0]), local(triangle[1]), local(triangle[2])});
+  Clipped clipped(std::array<glm::dvec3, 3>{local(triangle[0]), local(triangle[1]), local(triangle[2])});
   clipped.clip({0, 1, 0}, piece.y1 + kRounding_m);
   clipped.clip({0, -1, 0}, kRounding_m - piece.y0);
   clipped.clip({0, 0, 1}, piece.z1 + kRounding_m);

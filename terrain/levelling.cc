@@ -20,6 +20,8 @@ constexpr double kBlendWidth_m = 1.5;     // from the nearest road's own height 
 constexpr double kNearestWeight_m = 0.5;  // nearer than this all samples weigh the same
 constexpr double kLeastHill = 5;          // length of a hill over a tunnel, in shoulders: two are cut off it
 constexpr double kPerpendicular = 1e-7;   // of L: what counts as a perpendicular foot
+constexpr double kOtherLeg_m = 1;         // between the feet of two legs of road; less between those of one at a joint
+constexpr double kDitchBelow_m = 8;       // bridges and tunnels farther above or below do not end a ditch
 
 // How far the ground may rise or fall at distance d outside the shoulder: parabola, then slope, then without limit.
 double allowance_m(double d, double slope, double reach_m) {
@@ -39,10 +41,24 @@ double approach_m(double level_m, double ground_m, double allowance_m) {
   return level_m + (q2 > 1e12 ? std::copysign(allowance_m, q) : allowance_m * q / std::sqrt(std::sqrt(1 + q2 * q2)));
 }
 
-// Distance from the carriageway where the part really passes the point, so that the foot is perpendicular or at its
-// end; negative where it does not (then a neighbour is nearer).
-double passing_edge_m(const SupportedPart& part, const Segment& segment, glm::dvec2 point_m, double shoulder_m,
-                      double& z_m) {
+// The ditch's depth at distance d outside the shoulder, where it is `deepest` at its bottom.
+double ditch_m(double d, double deepest, const LevellingOptions& o) {
+  const double down = d * o.ditch_inner_slope, bottom_end = deepest / o.ditch_inner_slope + o.ditch_bottom_m;
+  return std::max(std::min({down, deepest, deepest - (d - bottom_end) * o.ditch_outer_slope}), 0.0);
+}
+
+// How a part of a segment lies to a point.
+struct Passing {
+  bool is_beside;     // not beyond an end of the part
+  double beyond_m;    // beyond an end, along the road; negative before its start
+  double beside_m;    // from the carriageway's edge, across the road; 0 on it
+  double z_m;         // of the surface at the nearest place on it, carried on with its grade over at most a shoulder
+  glm::dvec2 foot_m;  // on the reference line
+  bool at_start;      // the nearest place is the part's start
+  double edge_m() const { return is_beside ? beside_m : std::hypot(beyond_m, beside_m); }
+};
+
+Passing passing(const SupportedPart& part, const Segment& segment, glm::dvec2 point_m, double shoulder_m) {
   const double a = segment.slope_start, b = segment.slope_end;
   const glm::dvec2 p = to_chord(segment, point_m);
   const double u = std::clamp(nearest(segment, point_m).u, part.u0, part.u1);
@@ -52,15 +68,25 @@ double passing_edge_m(const SupportedPart& part, const Segment& segment, glm::dv
   const double scale = segment.chord_length_m() / std::sqrt(1 + df * df);
   const double cosine = std::cos(segment.superelevation_rad.value(local));
   const double left = segment.left_m.value(local) * cosine, right = segment.right_m.value(local) * cosine;
-  const double n = (dy - dx * df) * scale, beside = std::max({n - left, right - n, 0.0});
-  // Beside the carriageway the ground goes on level from its edge.
+  const double n = (dy - dx * df) * scale;
+  // Beside the carriageway the ground goes on level from its edge; beyond it with its grade over the shoulder, else the
+  // last triangles under the road would bend.
   const Lib::SurfaceSlope surface = surface_at(segment, local, std::clamp(n, right, left));
-  z_m = surface.height;
-  if (std::abs(along) <= kPerpendicular) return beside;
-  if (!((u <= part.u0 && part.starts_here) || (u >= part.u1 && part.ends_here))) return -1;
-  // The grade goes on over the shoulder, else the last triangles under the road would bend.
-  z_m += surface.ahead * std::clamp(along * scale, -shoulder_m, shoulder_m);
-  return std::hypot(along * scale, beside);
+  Passing at{.is_beside = std::abs(along) <= kPerpendicular,
+             .beyond_m = along * scale,
+             .beside_m = std::max({n - left, right - n, 0.0}),
+             .z_m = surface.height,
+             .foot_m = position_m(segment, u),
+             .at_start = u <= part.u0};
+  if (!at.is_beside) at.z_m += surface.ahead * std::clamp(along * scale, -shoulder_m, shoulder_m);
+  return at;
+}
+
+// Distance from the carriageway where the part really passes the point, so that the foot is perpendicular or at its
+// end; negative where it does not (then a neighbour is nearer).
+double passing_edge_m(const SupportedPart& part, const Passing& at) {
+  if (!at.is_beside && !(at.at_start ? part.starts_here : part.ends_here)) return -1;
+  return at.edge_m();
 }
 
 // At least this far is the point from the segment's carriageway: from the chord, less what the curve bulges by.
@@ -125,11 +151,29 @@ Grid distance_from_roads(const Network& network, const Grid& like) {
 }
 
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options)
+    : Levelling(index, natural, options, std::make_shared<const Grid>(distance_from_roads(index.network(), natural))) {}
+
+// What covers a tunnel may also be the ground of a road that crosses above it: that of all roads, were every tunnel under a
+// hill, tells.
+Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
+                     const std::shared_ptr<const Grid>& distance)
+    : Levelling(index, natural, options, distance, [&] {
+        constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+        Supports closed(
+            index.network(), [](glm::dvec2) { return kEverywhere; }, options.cover_m, 0);
+        if (closed.parts(Support::kTunnel) == 0) return closed;
+        const Levelling above(index, natural, options, distance, std::move(closed));
+        const auto ground_m = [&](glm::dvec2 p) { return std::max(sample_bicubic(natural, p), above.height_m(p)); };
+        return Supports(index.network(), ground_m, options.cover_m, kLeastHill * options.shoulder_m);
+      }()) {}
+
+Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
+                     std::shared_ptr<const Grid> distance, Supports supports)
     : index_(index),
       natural_(natural),
       options_(options),
-      distance_(distance_from_roads(index.network(), natural)),
-      supports_(index.network(), natural, options.cover_m, kLeastHill * options.shoulder_m) {
+      distance_(std::move(distance)),
+      supports_(std::move(supports)) {
   std::vector<Sample> all;
   // The middle of each piece of at most kSampleStep_m between two parameters.
   const auto add_samples = [&](const Segment& segment, double u0, double u1, bool is_edge) {
@@ -217,39 +261,63 @@ std::size_t Levelling::bucket(glm::dvec2 point_m, int dx, int dy) const {
 }
 
 double Levelling::far_distance_m(glm::dvec2 point_m) const {
-  return std::max(sample_bilinear(distance_, point_m) - slack_m_ - widest_m_, 0.0);
+  return std::max(sample_bilinear(*distance_, point_m) - slack_m_ - widest_m_, 0.0);
 }
 
+// Where shoulders meet, each leg counts by the eighth power of its distance against what is left of a shoulder's width: so
+// the ground stays a leg's own over the first third of the way between two, and is a wall in the middle.
 Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) const {
-  Wish wish{limit_m, 0};
-  double nearest_z = 0, lowest = 1e300;
+  const double strip = options_.shoulder_m + kBlendWidth_m;
+  Wish wish{limit_m, 0, point_m};
+  double nearest_z = 0, lowest = std::numeric_limits<double>::infinity(), weights = 0, sum = 0;
+  const auto add = [&](double edge, double z, glm::dvec2 foot_m) {
+    if (edge <= 0) lowest = std::min(lowest, z);
+    if (edge > 0 && edge < strip) {
+      const double odds = (strip - edge) / edge, squared = odds * odds, weight = squared * squared * squared * squared;
+      weights += weight;
+      sum += weight * z;
+    }
+    if (edge < wish.edge_m) wish.edge_m = edge, wish.foot_m = foot_m, nearest_z = z;
+  };
   index_.visit_within(point_m, limit_m, [&](SegmentRef ref, const Segment& segment) {
-    if (least_edge_m(segment, point_m) >= std::max(wish.edge_m, options_.shoulder_m)) return;
+    if (least_edge_m(segment, point_m) >= std::max(wish.edge_m, strip)) return;
     for (const SupportedPart& part : supports_.of(index_.network(), ref)) {
       if (part.support != Support::kGround) continue;
-      double z = 0;
-      const double edge = passing_edge_m(part, segment, point_m, options_.shoulder_m, z);
-      if (edge < 0 || edge >= limit_m) continue;
-      if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
-      if (edge < wish.edge_m) {
-        wish.edge_m = edge;
-        nearest_z = z;
-      }
+      const Passing at = passing(part, segment, point_m, options_.shoulder_m);
+      const double edge = passing_edge_m(part, at);
+      if (edge >= 0 && edge < limit_m) add(edge, at.z_m, at.foot_m);
     }
   });
   index_.visit_junctions(point_m, limit_m, [&](std::uint32_t i, const JunctionSurface& surface) {
     if (supports_.of_junction(i) != Support::kGround) return;
     const double edge = std::max(-signed_distance_m(surface, point_m), 0.0);
-    if (edge >= limit_m || (edge >= wish.edge_m && edge > options_.shoulder_m)) return;
-    const double z = height_m_at(surface, point_m);
-    if (edge <= options_.shoulder_m) lowest = std::min(lowest, z);
-    if (edge < wish.edge_m) {
-      wish.edge_m = edge;
-      nearest_z = z;
+    if (edge >= limit_m || (edge >= wish.edge_m && edge >= strip)) return;
+    add(edge, height_m_at(surface, point_m), point_m);
+  });
+  wish.level_m = wish.edge_m <= 0 ? lowest : weights > 0 ? sum / weights : nearest_z;
+  return wish;
+}
+
+// A ditch is there where nothing but its own road is: it fades out over its own width before the shoulders of other legs
+// and areas, and before bridges and tunnels, be they beside its road or further along it.
+double Levelling::ditch_part(glm::dvec2 point_m, const Wish& wish) const {
+  const double width = options_.ditch_width_m(), shoulder = options_.shoulder_m;
+  double room = width;
+  index_.visit_within(point_m, shoulder + width, [&](SegmentRef ref, const Segment& segment) {
+    for (const SupportedPart& part : supports_.of(index_.network(), ref)) {
+      const Passing at = passing(part, segment, point_m, shoulder);
+      const double beside = at.beside_m - shoulder;
+      if (part.support == Support::kGround) {
+        if (at.is_beside && glm::length(at.foot_m - wish.foot_m) > kOtherLeg_m) room = std::min(room, beside);
+      } else if (std::abs(at.z_m - wish.level_m) < kDitchBelow_m) {
+        room = std::min(room, std::max(at.is_beside ? 0.0 : std::abs(at.beyond_m), beside));
+      }
     }
   });
-  wish.lowest_m = lowest < 1e300 ? lowest : nearest_z;
-  return wish;
+  index_.visit_junctions(point_m, shoulder + width, [&](std::uint32_t, const JunctionSurface& surface) {
+    room = std::min(room, -signed_distance_m(surface, point_m) - shoulder);
+  });
+  return smooth(room / width);
 }
 
 double Levelling::edge_distance_m(glm::dvec2 point_m, double limit_m) const {
@@ -305,7 +373,9 @@ double Levelling::below_bridges_m(glm::dvec2 point_m, double ground_m) const {
       edge = std::max(-signed_distance_m(surface, point_m), 0.0);
       if (edge < limit) z = height_m_at(surface, point_m);
     } else {
-      edge = passing_edge_m(raised.part, index_.segment(raised.at), point_m, options_.shoulder_m, z);
+      const Passing at = passing(raised.part, index_.segment(raised.at), point_m, options_.shoulder_m);
+      edge = passing_edge_m(raised.part, at);
+      z = at.z_m;
     }
     if (edge < 0 || edge >= limit) return;
     const double level = z - options_.gap_m, d = edge - options_.shoulder_m;
@@ -347,15 +417,23 @@ double Levelling::levelled_m(glm::dvec2 point_m) const {
   const double reach = options_.reach_m, limit = reach + options_.shoulder_m;
   const Wish wish = nearest_roads(point_m, limit);
   if (wish.edge_m >= limit) return natural;
-  const double own = wish.lowest_m - options_.gap_m, d = wish.edge_m - options_.shoulder_m;
+  const double own = wish.level_m - options_.gap_m, d = wish.edge_m - options_.shoulder_m;
   if (d <= 0) return own;
   const Blend legs = blend(point_m);
   const double level = glm::mix(own, legs.mean_m, smooth(d / kBlendWidth_m));
+  const double width = options_.ditch_width_m(), part = d < width ? ditch_part(point_m, wish) : 1;
+  // A cutting begins beyond the ditch, an embankment falls away through it.
+  const bool is_cut = natural > level;
+  const double before = is_cut ? part * width : 0, from = d - before;
   // A ramp between legs that is steep already gets less of the allowance.
   const double ramp = legs.deviation_m / (d + 2);
-  const double allowance =
-      allowance_m(d, natural > level ? options_.cut_slope : options_.fill_slope, reach) / (1 + ramp * ramp);
-  return std::max(approach_m(level, natural, allowance), std::min(natural, over_tunnels_m(point_m)));
+  double ground = level;
+  if (from > 0) {
+    const double slope = is_cut ? options_.cut_slope : options_.fill_slope;
+    ground = approach_m(level, natural, allowance_m(from, slope, reach - before) / (1 + ramp * ramp));
+  }
+  if (d < width) ground = std::min(ground, own - ditch_m(d, part * options_.ditch_depth_m, options_));
+  return std::max(ground, std::min(natural, over_tunnels_m(point_m)));
 }
 
 }  // namespace roadgen

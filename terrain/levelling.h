@@ -3,10 +3,13 @@
 // Under a carriageway and its shoulders the ground is the road's surface less a gap too small to see; from there it
 // departs towards the natural ground no steeper than an embankment or a cutting stands, and takes over the natural
 // ground where it meets it. Between legs of road that lie close together at different heights (hairpins) the heights
-// of the legs are blended by inverse distance; under overlapping carriageways the lowest wins.
+// of the legs are blended by inverse distance; where even their shoulders meet, the ground is each leg's at its edge and
+// a wall stands between them. Under overlapping carriageways the lowest wins.
+// Between shoulder and slope a ditch may run: it is cut into the ground, so where an embankment falls below its bottom
+// there is none. It ends before other roads and their shoulders, junctions, bridges and tunnels.
 // To bridges (Road::bridges) nothing is raised: where one begins, the road's level strip goes on for a shoulder's width
 // and ends with an embankment. Ground that rises above a deck is cut.
-// Over tunnels whose vault the natural ground covers, it stays: the cutting of the road before the portal goes on for a
+// Over tunnels whose vault is covered, by the natural ground or by that of roads that cross above, it stays: the cutting of the road before the portal goes on for a
 // shoulder's width into the tunnel, and from there on takes no ground within cover_m of the vault, nor any that a slope
 // of fill from there would hold.
 // Source: Loviscach 2005, section 4 and figure 6 (level geometry along roads, a small height gap below them); weights
@@ -14,6 +17,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "roadgen/query/box_tree.h"
@@ -28,8 +32,21 @@ struct LevellingOptions {
   double shoulder_m = 3.0;  // level strip beside the carriageway. >= 0. Default: 3 m
   double cut_slope = 1.0;   // steepest rise of a cutting, height / width. > 0. Default: 1 (rock and firm soil)
   double fill_slope = 0.7;  // steepest fall of an embankment, > 0. Default: 0.7 (2:3, loose fill)
-  double cover_m = 0.5;     // least height of the ground over a tunnel's vault; with less it is cut open. >= 0
-  double reach_m = 50;      // from here on, beyond the shoulder, the ground is natural in any case. > 0
+  // Ditch beyond the shoulder: its bottom's depth below the carriageway's edge, >= 0, and width, >= 0, and its slopes
+  // towards the road and away from it, height / width, > 0. Default: none (no source of roads tells of ditches, and
+  // streets have none); 0.5 m wide at the bottom, 1:2 and 2:3.
+  double ditch_depth_m = 0;
+  double ditch_bottom_m = 0.5;
+  double ditch_inner_slope = 0.5;
+  double ditch_outer_slope = 2.0 / 3;
+  double cover_m = 0.5;  // least height of the ground over a tunnel's vault; with less it is cut open. >= 0
+  double reach_m = 50;   // from here on, beyond the shoulder, the ground is natural in any case. > 0
+
+  // From the shoulder to where the ditch has come up again to the edge's level. 0: no ditch.
+  double ditch_width_m() const {
+    return ditch_depth_m > 0 ? ditch_depth_m / ditch_inner_slope + ditch_bottom_m + ditch_depth_m / ditch_outer_slope
+                             : 0;
+  }
 };
 
 // Distance in metres from the nearest road's centre line or junction's corner at every post of a grid shaped like the
@@ -43,9 +60,8 @@ class Levelling {
   // Requires: index and natural outlive this; at least one segment.
   Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options);
 
-  // Height of the levelled ground. Continuous but for where three legs of road meet at different heights within
-  // their shoulders, and where the hill over a tunnel begins. Cost: far from roads one bicubic sample; near them
-  // O(segments within reach).
+  // Height of the levelled ground. Continuous but for the edges of carriageways that overlap at different heights, and
+  // where the hill over a tunnel begins. Cost: far from roads one bicubic sample; near them O(segments within reach).
   double height_m(glm::dvec2 point_m) const;
 
   // Whether the place is so far from all roads that the ground there is the natural one for sure. Cost: one bilinear
@@ -63,8 +79,9 @@ class Levelling {
  private:
   // What the roads on the ground around a point want of it there.
   struct Wish {
-    double edge_m;    // from the nearest carriageway's edge
-    double lowest_m;  // of the roads whose level strip the point is in; else the nearest road's height
+    double edge_m;      // from the nearest carriageway's edge
+    double level_m;     // on carriageways the lowest one's height; beside them that of their edges, the nearer the more
+    glm::dvec2 foot_m;  // on the nearest road's centre line; of an area the point itself
   };
   struct Sample {
     glm::dvec2 position_m;
@@ -80,9 +97,14 @@ class Levelling {
     SupportedPart part;
     std::int32_t junction = -1;
   };
+  Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
+            const std::shared_ptr<const Grid>& distance);
+  Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
+            std::shared_ptr<const Grid> distance, Supports supports);
   void find_raised();
   Wish nearest_roads(glm::dvec2 point_m, double limit_m) const;
   double levelled_m(glm::dvec2 point_m) const;
+  double ditch_part(glm::dvec2 point_m, const Wish& wish) const;
   double below_bridges_m(glm::dvec2 point_m, double ground_m) const;
   double over_tunnels_m(glm::dvec2 point_m) const;
   Blend blend(glm::dvec2 point_m) const;
@@ -92,7 +114,7 @@ class Levelling {
   const RoadIndex& index_;
   const Grid& natural_;
   LevellingOptions options_;
-  Grid distance_;
+  std::shared_ptr<const Grid> distance_;
   double widest_m_ = 0;
   double slack_m_ = 0;  // how far distance_ may be off
   Supports supports_;

@@ -30,6 +30,12 @@ Box box_of(const Plate& plate) {
   return {glm::dvec3(plate.center_m - reach, 0), glm::dvec3(plate.center_m + reach, 0)};
 }
 
+Box box_of(const std::array<glm::dvec3, 3>& triangle) {
+  const auto [a, b, c] = triangle;
+  return {glm::dvec3(glm::dvec2(glm::min(a, glm::min(b, c))), 0),
+          glm::dvec3(glm::dvec2(glm::max(a, glm::max(b, c))), 0)};
+}
+
 Interval about(double middle, double radius) { return {middle - radius, middle + radius}; }
 
 // A stretch of one side of a road: s from the segment's start, n to the left of the reference line.
@@ -160,7 +166,7 @@ void add_part(const Segment& segment, const SupportedPart& part, double lowest_m
   const std::size_t first = plates.size();
   if (n1 > 0) add_divided(segment, {part.s0_m, s1, 0, n1}, lowest_m, wanted_m, plates);
   if (n0 < 0) add_divided(segment, {part.s0_m, s1, n0, 0}, lowest_m, wanted_m, plates);
-  for (std::size_t i = first; i < plates.size(); ++i) plates[i].levelled = part.support == Support::kGround;
+  for (std::size_t i = first; i < plates.size(); ++i) plates[i].set_support(part.support);
 }
 
 // One piece of a junction's surface over a small square: its weight, and how far it is from a plane.
@@ -353,8 +359,9 @@ struct Enclosure {
   double off_m;
 };
 
-// The plates of a junction's area: of squares of kJunctionPlate_m, quartered where the surface is not flat enough. What is
-// proven of the smallest squares serves all larger ones.
+// The plates of a junction's area: of squares of kJunctionPlate_m, quartered where the surface is not flat enough and at
+// the area's border, beyond which they would claim what is no road. What is proven of the smallest squares serves all
+// larger ones.
 class AreaPlates {
  public:
   AreaPlates(const Junction& junction, double wanted_m)
@@ -367,14 +374,16 @@ class AreaPlates {
   // A square's enclosures, [first, last); those of its quarters are nodes child to child + 3.
   struct Node {
     std::size_t first = 0, last = 0, child = 0;  // child 0: none
+    bool at_border = false;
   };
-  void enclose(std::size_t node, glm::dvec2 middle, double half);
+  void enclose(std::size_t node, glm::dvec2 middle, double half, const Enclosure* larger = nullptr);
   void choose(std::size_t node, glm::dvec2 middle, double half, std::vector<Plate>& plates) const;
-  bool is_outside(glm::dvec2 middle, double half) const {
-    // Distances are exact to first order only.
-    return signed_distance_m(surface_, glm::dvec2(surface_.center_m) + middle) <
-           -2 * std::numbers::sqrt2 * half - underlap_m_;
+  // How far inside of the area a place is. Distances are exact to first order only.
+  double inside_m(glm::dvec2 middle) const {
+    return signed_distance_m(surface_, glm::dvec2(surface_.center_m) + middle) + underlap_m_;
   }
+  // Of a square that is farther than this from the border nothing is on the other side.
+  static double reach_m(double half) { return 2 * std::numbers::sqrt2 * half; }
   static glm::dvec2 quarter(glm::dvec2 middle, double half, std::size_t i) {
     return middle + half * glm::dvec2(i % 2 == 0 ? -0.5 : 0.5, i < 2 ? -0.5 : 0.5);
   }
@@ -387,25 +396,34 @@ class AreaPlates {
   std::vector<Piece> pieces_;
 };
 
-void AreaPlates::enclose(std::size_t node, glm::dvec2 middle, double half) {
+// larger: one that holds the square and is close enough.
+void AreaPlates::enclose(std::size_t node, glm::dvec2 middle, double half, const Enclosure* larger) {
   nodes_[node].first = nodes_[node].last = enclosures_.size();
-  if (2 * half >= kShortestJunctionPlate_m && is_outside(middle, half)) return;
-  const JunctionPoint p = height_at(surface_, glm::dvec2(surface_.center_m) + middle);
-  const glm::dvec3 tangent(p.gradient, p.height_m - surface_.center_m.z);
-  const double off = off_plane_m(surface_, rises_, middle, half, tangent, pieces_);
-  if (off <= kEnclosurePart * wanted_m_ || half <= kFinestJunctionBox_m) {
-    enclosures_.push_back({middle, half, tangent, off});
+  if (2 * half >= kShortestJunctionPlate_m) {
+    const double inside = inside_m(middle);
+    if (inside < -reach_m(half)) return;
+    nodes_[node].at_border = 2 * half > kShortestJunctionPlate_m && inside < reach_m(half);
+  }
+  Enclosure own{};
+  if (larger == nullptr) {
+    const JunctionPoint p = height_at(surface_, glm::dvec2(surface_.center_m) + middle);
+    const glm::dvec3 tangent(p.gradient, p.height_m - surface_.center_m.z);
+    own = {middle, half, tangent, off_plane_m(surface_, rises_, middle, half, tangent, pieces_)};
+    if (own.off_m <= kEnclosurePart * wanted_m_ || half <= kFinestJunctionBox_m) larger = &own;
+  }
+  if (larger != nullptr && !nodes_[node].at_border) {
+    enclosures_.push_back(*larger);
   } else {
     const std::size_t child = nodes_.size();
     nodes_[node].child = child;
     nodes_.resize(child + 4);
-    for (std::size_t i = 0; i < 4; ++i) enclose(child + i, quarter(middle, half, i), 0.5 * half);
+    for (std::size_t i = 0; i < 4; ++i) enclose(child + i, quarter(middle, half, i), 0.5 * half, larger);
   }
   nodes_[node].last = enclosures_.size();
 }
 
 void AreaPlates::choose(std::size_t node, glm::dvec2 middle, double half, std::vector<Plate>& plates) const {
-  const auto [first, last, child] = nodes_[node];
+  const auto [first, last, child, at_border] = nodes_[node];
   if (first == last) return;
   const JunctionPoint at = height_at(surface_, glm::dvec2(surface_.center_m) + middle);
   double off = 0;
@@ -415,7 +433,7 @@ void AreaPlates::choose(std::size_t node, glm::dvec2 middle, double half, std::v
     const double here = e.tangent.z - (at.height_m - surface_.center_m.z + glm::dot(at.gradient, e.middle - middle));
     off = std::max(off, std::abs(here) + e.half * (std::abs(tilt.x) + std::abs(tilt.y)) + e.off_m);
   }
-  if (off > wanted_m_ && child > 0 && 2 * half > kShortestJunctionPlate_m) {
+  if ((off > wanted_m_ || at_border) && child > 0 && 2 * half > kShortestJunctionPlate_m) {
     for (std::size_t i = 0; i < 4; ++i) choose(child + i, quarter(middle, half, i), 0.5 * half, plates);
     return;
   }
@@ -451,6 +469,26 @@ double lowest_lane_m(const Road& road, const Segment& segment) {
   return lowest;
 }
 
+glm::dvec2 Plate::gradient() const { return slope.x * axis + slope.y * across(axis); }
+
+// In the frame of the other one, where that is a box.
+Clipped Plate::above(const Plate& low) const {
+  const glm::dvec2 x = half_m.x * axis, y = half_m.y * across(axis);
+  std::array<glm::dvec3, 4> corners;
+  std::size_t n = 0;
+  for (const glm::dvec2 d : {x + y, y - x, -x - y, x - y}) {
+    const glm::dvec2 p = center_m + d, q = p - low.center_m;
+    corners[n++] = {glm::dot(q, low.axis), glm::dot(q, across(low.axis)), height_m(p) - low.height_m(p)};
+  }
+  Clipped polygon(corners);
+  polygon.clip({1, 0, 0}, low.half_m.x);
+  polygon.clip({-1, 0, 0}, low.half_m.x);
+  polygon.clip({0, 1, 0}, low.half_m.y);
+  polygon.clip({0, -1, 0}, low.half_m.y);
+  for (glm::dvec3& p : polygon) p = {low.center_m + p.x * low.axis + p.y * across(low.axis), p.z};
+  return polygon;
+}
+
 double Plate::height_m(glm::dvec2 point_m) const {
   const glm::dvec2 d = point_m - center_m;
   return z_m + slope.x * glm::dot(d, axis) + slope.y * glm::dot(d, across(axis));
@@ -463,8 +501,7 @@ Plates::Plates(const Network& network, const Supports& supports, double wanted_e
   for_chunks(parts.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     if (i >= roads) {
       AreaPlates(network.junctions[i - roads], kJunctionPart * wanted_error_m).add_to(parts[i]);
-      const bool levelled = supports.of_junction(i - roads) == Support::kGround;
-      for (Plate& plate : parts[i]) plate.levelled = levelled;
+      for (Plate& plate : parts[i]) plate.set_support(supports.of_junction(i - roads));
     } else if (!in_area[i]) {
       const Road& road = network.roads[i];
       for (SegmentRef at{static_cast<std::uint32_t>(i), 0}; at.segment < road.segments.size(); ++at.segment) {
@@ -483,10 +520,56 @@ Plates::Plates(const Network& network, const Supports& supports, double wanted_e
   tree_ = BoxTree(boxes);
 }
 
-void Plates::find_levelled(const std::function<double(glm::dvec2)>& ground_m, double below_m) {
+void Plates::find_overlaps(double apart_m) {
+  std::vector<std::vector<Overlap>> found(plates_.size());
+  std::vector<std::vector<Box>> boxes(plates_.size());
+  for_each_index(plates_.size(), [&](std::size_t i) {
+    const Plate& high = plates_[i];
+    if (!high.on_ground) return;
+    tree_.search(box_of(high), {.reach_m = 0}, [&](std::uint32_t item) {
+      const Plate& low = plates_[item];
+      // How far the one plane is above the other at most, over all of the lower plate.
+      const double tilt = glm::length(high.gradient() - low.gradient());
+      if (high.height_m(low.center_m) - low.z_m + tilt * glm::length(low.half_m) <= apart_m) return;
+      Overlap worst;
+      Box box{glm::dvec3(1e300), glm::dvec3(-1e300)};
+      for (const glm::dvec3& p : high.above(low)) {
+        box.low_m = glm::min(box.low_m, glm::dvec3(glm::dvec2(p), 0));
+        box.high_m = glm::max(box.high_m, glm::dvec3(glm::dvec2(p), 0));
+        if (p.z > worst.apart_m) worst = {glm::dvec2(p), p.z};
+      }
+      if (worst.apart_m <= apart_m) return;
+      found[i].push_back(worst);
+      boxes[i].push_back(box);
+    });
+  });
+  std::vector<Box> all;
+  overlaps_.clear();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    overlaps_.insert(overlaps_.end(), found[i].begin(), found[i].end());
+    all.insert(all.end(), boxes[i].begin(), boxes[i].end());
+  }
+  overlap_tree_ = BoxTree();
+  if (!all.empty()) overlap_tree_ = BoxTree(all);
+}
+
+std::optional<Overlap> Plates::worst_overlap(const Box& about, double reach_m) const {
+  std::optional<Overlap> worst;
+  if (overlaps_.empty()) return worst;
+  overlap_tree_.search(about, {.reach_m = reach_m}, [&](std::uint32_t item) {
+    if (!worst || overlaps_[item].apart_m > worst->apart_m) worst = overlaps_[item];
+  });
+  return worst;
+}
+
+std::optional<Overlap> Plates::overlap(const std::array<glm::dvec3, 3>& triangle, double reach_m) const {
+  return worst_overlap(box_of(triangle), reach_m);
+}
+
+void Plates::find_levelled(const std::function<double(glm::dvec2)>& ground_m, double below_m, double reach_m) {
   for_each_index(plates_.size(), [&](std::size_t i) {
     Plate& plate = plates_[i];
-    if (!plate.levelled) return;
+    if (!plate.levelled || !worst_overlap(box_of(plate), reach_m)) return;
     const glm::dvec2 along = 0.9 * plate.half_m.x * plate.axis, aside = 0.9 * plate.half_m.y * across(plate.axis);
     for (const glm::dvec2 d : {glm::dvec2(0), along + aside, along - aside, aside - along, -along - aside}) {
       const glm::dvec2 p = plate.center_m + d;
@@ -497,10 +580,7 @@ void Plates::find_levelled(const std::function<double(glm::dvec2)>& ground_m, do
 
 ClearanceBounds Plates::over(const std::array<glm::dvec3, 3>& triangle) const {
   ClearanceBounds found;
-  const auto [a, b, c] = triangle;
-  const Box about{glm::dvec3(glm::dvec2(glm::min(a, glm::min(b, c))), 0),
-                  glm::dvec3(glm::dvec2(glm::max(a, glm::max(b, c))), 0)};
-  tree_.search(about, {.reach_m = 0}, [&](std::uint32_t item) {
+  tree_.search(box_of(triangle), {.reach_m = 0}, [&](std::uint32_t item) {
     const Plate& plate = plates_[item];
     // Into the plate's frame, z being the plane's height over the triangle's.
     std::array<glm::dvec3, 3> local;

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -17,6 +18,8 @@
 
 #include "roadgen/query/box_tree.h"
 #include "roadgen/road/network.h"
+#include "terrain/clipped.h"
+#include "terrain/overlap.h"
 #include "terrain/support.h"
 
 namespace roadgen {
@@ -28,10 +31,15 @@ struct Plate {
   double z_m = 0;           // of the plane at the centre
   glm::dvec2 slope{0, 0};   // of the plane, along the axis and across
   double error_m = 0;       // the carriageway's surface, its lowest lane, lies within this of the plane
-  bool levelled = true;     // the ground is levelled to it; false on bridges
+  bool on_ground = true;    // false on bridges
+  bool levelled = true;     // the ground is levelled to it; on_ground, and not over other roads
 
-  // Height of the plane.
+  void set_support(Support support) { on_ground = levelled = support == Support::kGround; }
+  // Height of the plane, and its slope.
   double height_m(glm::dvec2 point_m) const;
+  glm::dvec2 gradient() const;
+  // The corners of where this rectangle lies over the other one, z being by how much. Empty: nowhere.
+  Clipped above(const Plate& low) const;
 };
 
 // The lowest height of any lane of the segment's section, at most 0.
@@ -53,9 +61,16 @@ class Plates {
   // 2 us a plate, of which a road has one per 2 to 8 m and side.
   explicit Plates(const Network& network, const Supports& supports = {}, double wanted_error_m = 0.004);
 
-  // Clears `levelled` of roads over others that no bridge is known of: where the ground, a function of the place, does not
-  // come within below_m of the plate's plane at its middle and towards its corners.
-  void find_levelled(const std::function<double(glm::dvec2)>& ground_m, double below_m);
+  // Finds where a carriageway that is on no bridge lies over another one by more than apart_m: no height of the ground
+  // suits both. Cost: about 1 us a plate.
+  void find_overlaps(double apart_m);
+  // Clears `levelled` of roads over others that no bridge is known of: of plates within reach_m of an overlap where the
+  // ground, a function of the place, does not come within below_m of the plate's plane at its middle and towards its
+  // corners. Requires: find_overlaps.
+  void find_levelled(const std::function<double(glm::dvec2)>& ground_m, double below_m, double reach_m);
+  // Of the overlaps within about reach_m of the triangle that where they are farthest apart. Any number of threads may ask.
+  // Cost: O(log n).
+  std::optional<Overlap> overlap(const std::array<glm::dvec3, 3>& triangle, double reach_m) const;
 
   // Proven: the carriageways lie above the plane of the triangle by at least least_m, and those that are levelled by at
   // most most_m, at every point of the triangle that is under them. x, y, z in metres, any orientation.
@@ -65,8 +80,12 @@ class Plates {
   const std::vector<Plate>& all() const { return plates_; }
 
  private:
+  std::optional<Overlap> worst_overlap(const Box& about, double reach_m) const;
+
   std::vector<Plate> plates_;
   BoxTree tree_;
+  std::vector<Overlap> overlaps_;
+  BoxTree overlap_tree_;
 };
 
 }  // namespace roadgen

@@ -68,8 +68,8 @@ bool is_within_walls(const Road& road, const SweepPart& piece, double s0, double
          (segment.right_m - axis).shifted(s0).range(s1 - s0).low >= -half;
 }
 
-// Whether the natural ground covers the vault of a tunnel's piece at s from its segment's start.
-bool is_covered(const Road& road, const SweepPart& piece, double s, const Grid& natural, double cover_m) {
+// Whether the ground covers the vault of a tunnel's piece at s from its segment's start.
+bool is_covered(const Road& road, const SweepPart& piece, double s, const Supports::Ground& ground_m, double cover_m) {
   const Segment& segment = road.segments[piece.segment];
   const auto& tunnel = std::get<Tunnel>(road.sweeps[piece.sweep].shape);
   const Lib::SweepPath& path = piece.piece.path;
@@ -80,21 +80,21 @@ bool is_covered(const Road& road, const SweepPart& piece, double s, const Grid& 
   for (const double side : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
     const double n = axis + side * (tunnel.half_width_m + tunnel.lining_m);
     const glm::dvec2 at = position_m(segment, u) + n * glm::dvec2(-std::sin(heading), std::cos(heading));
-    if (!(sample_bicubic(natural, at) >= crown + cover_m)) return false;
+    if (!(ground_m(at) >= crown + cover_m)) return false;
   }
   return true;
 }
 
 // Appends where a piece is covered, seen every metre, to the hills before it.
-void add_hills(const Road& road, const SweepPart& piece, const Grid& natural, double cover_m,
+void add_hills(const Road& road, const SweepPart& piece, const Supports::Ground& ground_m, double cover_m,
                std::vector<Supports::Part>& hills) {
   const Segment& segment = road.segments[piece.segment];
   const double from = arc_at(segment, piece.piece.u0), to = arc_at(segment, piece.piece.u1);
   const int steps = std::max(1, static_cast<int>(std::ceil(to - from)));
   const auto at = [&](int i) { return from + (to - from) * i / steps; };
-  bool before = is_covered(road, piece, from, natural, cover_m);
+  bool before = is_covered(road, piece, from, ground_m, cover_m);
   for (int i = 0; i < steps; ++i) {
-    const bool after = is_covered(road, piece, at(i + 1), natural, cover_m);
+    const bool after = is_covered(road, piece, at(i + 1), ground_m, cover_m);
     const double s0 = segment.s_start_m + at(i), s1 = segment.s_start_m + at(i + 1);
     if (before && after && is_within_walls(road, piece, at(i), at(i + 1))) {
       if (!hills.empty() && s0 - hills.back().s_end_m < kMeet_m) {
@@ -109,7 +109,7 @@ void add_hills(const Road& road, const SweepPart& piece, const Grid& natural, do
 
 }  // namespace
 
-Supports::Supports(const Network& network, const Grid& natural, double cover_m, double least_m) {
+Supports::Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m) {
   first_.assign(network.roads.size(), kPlain);
   for (std::size_t i = 0; i < network.roads.size(); ++i) {
     const Road& road = network.roads[i];
@@ -119,7 +119,7 @@ Supports::Supports(const Network& network, const Grid& natural, double cover_m, 
       if (!(bridge.s_end_m > bridge.s_start_m)) continue;
       raised.push_back({Support::kBridge, snapped_m(road, bridge.s_start_m), snapped_m(road, bridge.s_end_m)});
     }
-    add_tunnels(road, natural, cover_m, least_m, raised);
+    add_tunnels(road, ground_m, cover_m, least_m, raised);
     if (raised.empty()) continue;
     first_[i] = static_cast<std::uint32_t>(segments_.size());
     cut(road, parts_of(road, raised));
@@ -137,7 +137,7 @@ Supports::Supports(const Network& network, const Grid& natural, double cover_m, 
 }
 
 // The hills over a road's tunnels, and the hollows in them.
-void Supports::add_tunnels(const Road& road, const Grid& natural, double cover_m, double least_m,
+void Supports::add_tunnels(const Road& road, const Ground& ground_m, double cover_m, double least_m,
                            std::vector<Part>& raised) {
   for (std::size_t k = 0; k < road.sweeps.size(); ++k) {
     if (road.sweeps[k].kind() != SweepKind::kTunnel) continue;
@@ -148,7 +148,7 @@ void Supports::add_tunnels(const Road& road, const Grid& natural, double cover_m
     std::sort(pieces.begin(), pieces.end(),
               [&](const SweepPart& a, const SweepPart& b) { return start_m(a) < start_m(b); });
     std::vector<Part> hills;
-    for (const SweepPart& piece : pieces) add_hills(road, piece, natural, cover_m, hills);
+    for (const SweepPart& piece : pieces) add_hills(road, piece, ground_m, cover_m, hills);
     for (Part& hill : hills) {
       hill.s_start_m = snapped_m(road, hill.s_start_m);
       hill.s_end_m = snapped_m(road, hill.s_end_m);

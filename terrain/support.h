@@ -4,12 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "roadgen/query/footprint.h"
 #include "roadgen/road/network.h"
-#include "terrain/grid.h"
 #include "terrain/hollow.h"
 
 namespace roadgen {
@@ -29,11 +29,12 @@ class Supports {
  public:
   Supports() = default;
   // By Road::bridges, cut off at the road's ends. A junction area is a bridge's where all its arms are on bridges.
-  // Tunnels: where the natural ground, seen every metre, is cover_m higher than the vault's crown over all of its width
+  // Tunnels: where the ground without them, seen every metre, is cover_m higher than the vault's crown over all of its width
   // and the carriageway is within its walls, for at least least_m or all of the road. Elsewhere a tunnel's road lies on
   // the ground, which is cut open for it, and so do junction areas in tunnels, which have no vault.
   // Requires: the network outlives this and stays unchanged. Cost: O(roads + metres of tunnels).
-  Supports(const Network& network, const Grid& natural, double cover_m, double least_m);
+  using Ground = std::function<double(glm::dvec2)>;
+  Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m);
 
   // In the order of s, without gaps. Cost: O(1).
   std::span<const SupportedPart> of(const Network& network, SegmentRef at) const;
@@ -54,7 +55,7 @@ class Supports {
   };
 
  private:
-  void add_tunnels(const Road& road, const Grid& natural, double cover_m, double least_m, std::vector<Part>& raised);
+  void add_tunnels(const Road& road, const Ground& ground_m, double cover_m, double least_m, std::vector<Part>& raised);
   void cut(const Road& road, const std::vector<Part>& parts);
 
   static constexpr std::uint32_t kPlain = 0xffffffffu;

@@ -24,14 +24,19 @@
 namespace roadgen {
 namespace {
 
-constexpr double kLateral_m = 1.0 / 64;  // quantum of the mesh's places
+constexpr double kLateral_m = 1.0 / 1024;  // quantum of the mesh's places
 constexpr double kTileSide_m = 1024;
 constexpr int kMostTiles = 48;           // each way; larger worlds get larger tiles
 constexpr int kMostNaturalPosts = 2048;  // each way
 constexpr int kMostRetries = 6;
 constexpr double kRetryFactor = 1.6;
 constexpr double kMostRaisedSpacing_m = 4;
-constexpr int kMostRounds = 4;           // of dividing what would be too deep
+constexpr int kMostRounds = 8;  // of dividing what would be too deep
+constexpr int kMostFiner = 3;   // divisions of posts between roads at different heights
+constexpr int kMostFinerAtOverlaps = 2;
+constexpr double kFinestPost_m = 0.2;    // unless they are asked for
+constexpr double kDitchTolerance = 0.2;  // of a ditch's depth: what the mesh may deviate there
+constexpr double kFinestDitch_m = 0.5;   // legs of triangles that are not divided to show a ditch better
 constexpr double kNotLevelled_m = 0.25;  // below a road by more than this and the gap, the ground is another road's
 // Far from the roads no leg is longer than this, lest a sampled error miss a whole mountain.
 constexpr double kLegAtRoad_m = 8, kLegPerMetre = 0.12;
@@ -93,6 +98,8 @@ void Terrain::Impl::lay_out(const Network& network, const Elevation* elevation) 
     if (waste(n) < waste(many)) many = n;
   }
   k = levels(many);
+  finer = std::clamp(static_cast<int>(std::log2(options.spacing_m / kFinestPost_m)), 0, std::min(kMostFiner, 14 - k));
+  k += finer;
   unit_m = std::max(std::ceil(longer / many / (1 << k) / kLateral_m) * kLateral_m, kLateral_m);
   const double side = unit_m * (1 << k);
   tile_count = glm::ivec2(glm::max(glm::ceil(size / side - 1e-9), glm::dvec2(1)));
@@ -100,13 +107,14 @@ void Terrain::Impl::lay_out(const Network& network, const Elevation* elevation) 
   origin_m = glm::dvec2(quantised(middle.x - 0.5 * side * tile_count.x, kLateral_m),
                         quantised(middle.y - 0.5 * side * tile_count.y, kLateral_m));
   report.area = {origin_m, origin_m + side * glm::dvec2(tile_count)};
-  report.spacing_m = unit_m;
-  options.levelling.shoulder_m = std::max(options.levelling.shoulder_m, 1.5 * unit_m);
+  report.spacing_m = post_m();
+  report.finest_spacing_m = unit_m;
+  options.levelling.shoulder_m = std::max(options.levelling.shoulder_m, 1.5 * post_m());
 }
 
 Grid Terrain::Impl::natural_ground(const Network& network, const Elevation* elevation) const {
   const glm::dvec2 size = report.area.high_m - report.area.low_m;
-  const double finest = std::max({size.x / kMostNaturalPosts, size.y / kMostNaturalPosts, unit_m});
+  const double finest = std::max({size.x / kMostNaturalPosts, size.y / kMostNaturalPosts, post_m()});
   if (elevation == nullptr) return natural_from_roads(network, report.area, std::max(finest, 12.0), options.rolling_m);
   const double spacing = std::max(finest, 0.6 * elevation->post_spacing_m());
   return natural_from_elevation(*elevation, network, report.area, spacing);
@@ -119,29 +127,51 @@ std::array<glm::dvec3, 3> Terrain::Impl::corners(const Bisection::Triangle& t) c
   return {corner(t.apex), corner(t.left), corner(t.right)};
 }
 
+// Two carriageways above one another so near a triangle that it cannot suit both.
+std::optional<Overlap> Terrain::Impl::overlap(const Plates& roads, const Bisection::Triangle& t) const {
+  return roads.overlap(corners(t), std::numbers::sqrt2 * std::ldexp(post_m(), -std::min(kMostFinerAtOverlaps, finer)));
+}
+
+// Where carriageways overlap, triangles that are too deep are divided until few are, and no further.
+bool Terrain::Impl::may_divide(const Bisection::Triangle& t, const std::optional<Overlap>& overlap) const {
+  return t.level < mesh->finest() - (overlap ? 2 * (finer - std::min(kMostFinerAtOverlaps, finer)) : 0);
+}
+
 // Whether a triangle is too coarse: under a carriageway it could not be low enough everywhere and nowhere too low, or it
-// has long legs, or deviates from the ground.
+// has long legs, or deviates from the ground. Those finer than the posts' spacing only where smaller ones help between roads
+// at different heights, or show a ditch.
 bool Terrain::Impl::is_wanted(const KnownHeights& ground, const Plates& roads, const Bisection::Triangle& t,
                               double factor) const {
+  const LevellingOptions& l = options.levelling;
   const glm::dvec2 left(mesh->lattice(t.left)), right(mesh->lattice(t.right)), apex(mesh->lattice(t.apex));
   const glm::dvec2 middle = 0.5 * (left + right);  // of the circle around a right triangle
   const double radius = 0.5 * glm::length(right - left) * unit_m;
   const double leg = std::numbers::sqrt2 * radius;
-  const double edge = ground.ground().edge_distance_m(to_world(middle), radius + 4 * unit_m) - radius;
-  if (leg > factor * (kLegAtRoad_m + kLegPerMetre * std::max(edge, 0.0))) return true;
+  const double edge = ground.ground().edge_distance_m(to_world(middle), radius + 4 * post_m()) - radius;
+  const bool finer_one = is_finer(t);
+  if (!finer_one && leg > factor * (kLegAtRoad_m + kLegPerMetre * std::max(edge, 0.0))) return true;
   if (edge <= 0) {
     const ClearanceBounds clearance = roads.over(corners(t));
-    if (clearance.most_m - clearance.least_m > options.most_clearance_m - options.least_clearance_m) return true;
+    if (clearance.most_m - clearance.least_m > options.most_clearance_m - options.least_clearance_m) {
+      return may_divide(t, !finer_one ? std::nullopt : overlap(roads, t));
+    }
   }
+  const double ditch =
+      l.ditch_depth_m > 0 && edge < l.shoulder_m + l.ditch_width_m() && edge + 2 * radius > l.shoulder_m
+          ? kDitchTolerance * l.ditch_depth_m
+          : std::numeric_limits<double>::infinity();
+  if (finer_one && (std::isinf(ditch) || leg <= kFinestDitch_m)) return false;
 
-  const double tolerance = factor * (options.tolerance_m + options.tolerance_per_m * std::max(edge, 0.0));
+  const double tolerance =
+      std::min(factor * (options.tolerance_m + options.tolerance_per_m * std::max(edge, 0.0)), ditch);
   const auto misses = [&](double to_left, double to_right) {
     const double plane = mesh->height(t.apex) + to_left * (mesh->height(t.left) - mesh->height(t.apex)) +
                          to_right * (mesh->height(t.right) - mesh->height(t.apex));
     const glm::dvec2 p = apex + to_left * (left - apex) + to_right * (right - apex);
     return std::abs(height_m(ground, p) - plane) > tolerance;
   };
-  return misses(0.5, 0.5) || misses(0.5, 0) || misses(0, 0.5) || (t.level < 2 * k - 3 && misses(0.25, 0.25));
+  return misses(0.5, 0.5) || misses(0.5, 0) || misses(0, 0.5) ||
+         (t.level < mesh->finest() - 2 * finer - 3 && misses(0.25, 0.25));
 }
 
 void Terrain::Impl::triangulate(const KnownHeights& ground, const Plates& roads) {
@@ -155,74 +185,119 @@ void Terrain::Impl::triangulate(const KnownHeights& ground, const Plates& roads)
   report.tolerance_factor = factor;
 }
 
-std::vector<ClearanceBounds> Terrain::Impl::clearances(const Plates& roads,
-                                                       const std::vector<std::int32_t>& leaves) const {
-  std::vector<ClearanceBounds> bounds(leaves.size());
-  for_each_index(leaves.size(), [&](std::size_t i) { bounds[i] = roads.over(corners(mesh->triangle(leaves[i]))); });
-  return bounds;
+// Of the leaves at the heights that were aimed at. Those of before are known.
+void Terrain::Impl::bound_clearances(const Plates& roads, std::vector<ClearanceBounds>& aimed) const {
+  const std::size_t known = aimed.size();
+  aimed.resize(mesh->triangle_count());
+  for_each_index(aimed.size() - known, [&](std::size_t i) {
+    const auto leaf = static_cast<std::int32_t>(known + i);
+    if (mesh->child(leaf) < 0) aimed[known + i] = roads.over(corners(mesh->triangle(leaf)));
+  });
 }
 
-// Lowers every triangle whose proven clearance is too small. That takes clearance away nowhere, so one pass is enough.
-void Terrain::Impl::lower(const Plates& roads) {
+// Lowers every triangle whose proven clearance is too small, and returns the vertices' lowering. That takes clearance away
+// nowhere, so one pass is enough.
+std::vector<double> Terrain::Impl::lower(const std::vector<ClearanceBounds>& aimed) {
   report.triangles_lowered = 0;
   report.lowered_max_m = 0;
-  const std::vector<std::int32_t> leaves = mesh->all_leaves();
-  const std::vector<ClearanceBounds> bounds = clearances(roads, leaves);
   std::vector<double> by(mesh->vertices(), 0);
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    const double lacking = options.least_clearance_m - bounds[i].least_m;
-    if (lacking <= 0) continue;
+  mesh->each_leaf([&](std::int32_t leaf) {
+    const double lacking = options.least_clearance_m - aimed[static_cast<std::size_t>(leaf)].least_m;
+    if (lacking <= 0) return;
     const double drop = std::ceil(lacking / kVertical_m) * kVertical_m;
-    const Bisection::Triangle& t = mesh->triangle(leaves[i]);
+    const Bisection::Triangle& t = mesh->triangle(leaf);
     for (const std::uint32_t vertex : {t.apex, t.left, t.right}) by[vertex] = std::max(by[vertex], drop);
     ++report.triangles_lowered;
     report.lowered_max_m = std::max(report.lowered_max_m, drop);
-  }
+  });
   for (std::uint32_t v = 0; v < by.size(); ++v) mesh->set_height(v, mesh->height(v) - by[v]);
+  return by;
 }
 
 // Reports the bounds of the clearance, and returns the triangles that lie too deep and may be divided.
-std::vector<std::int32_t> Terrain::Impl::prove(const Plates& roads) {
+std::vector<std::int32_t> Terrain::Impl::prove(const Plates& roads, const std::vector<ClearanceBounds>& aimed,
+                                               const std::vector<double>& lowered) {
   report.clearance_min_m = std::numeric_limits<double>::infinity();
   report.clearance_max_m = -report.clearance_min_m;
   report.triangles_under_roads = 0;
-  std::size_t deep = 0;
+  double under = 0, deep = 0, by_overlap = 0;  // areas in units of the smallest triangle's
+  report.triangles_too_deep = report.triangles_too_deep_by_overlap = 0;
+  std::vector<Overlap> overlaps;
   std::vector<std::int32_t> divisible;
-  const std::vector<std::int32_t> leaves = mesh->all_leaves();
-  const std::vector<ClearanceBounds> bounds = clearances(roads, leaves);
+  std::vector<std::int32_t> leaves;  // under roads
+  mesh->each_leaf([&](std::int32_t leaf) {
+    if (aimed[static_cast<std::size_t>(leaf)].touches()) leaves.push_back(leaf);
+  });
+  std::vector<ClearanceBounds> bounds(leaves.size());
+  for_each_index(leaves.size(), [&](std::size_t i) {
+    const Bisection::Triangle& t = mesh->triangle(leaves[i]);
+    const bool is_aimed = lowered[t.apex] == 0 && lowered[t.left] == 0 && lowered[t.right] == 0;
+    bounds[i] = is_aimed ? aimed[static_cast<std::size_t>(leaves[i])] : roads.over(corners(t));
+  });
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     const ClearanceBounds& clearance = bounds[i];
-    if (!clearance.touches()) continue;
+    const Bisection::Triangle& t = mesh->triangle(leaves[i]);
+    const double area = std::exp2(mesh->finest() - t.level);
     ++report.triangles_under_roads;
+    under += area;
     report.clearance_min_m = std::min(report.clearance_min_m, clearance.least_m);
     if (clearance.most_m > report.clearance_max_m) {
       report.clearance_max_m = clearance.most_m;
-      report.clearance_max_at_m = corners(mesh->triangle(leaves[i]))[0];
+      report.clearance_max_at_m = corners(t)[0];
     }
     if (clearance.most_m <= options.most_clearance_m) continue;
-    ++deep;
-    if (mesh->triangle(leaves[i]).level < mesh->finest()) divisible.push_back(leaves[i]);
+    ++report.triangles_too_deep;
+    deep += area;
+    const std::optional<Overlap> found = overlap(roads, t);
+    if (found) {
+      ++report.triangles_too_deep_by_overlap;
+      by_overlap += area;
+      overlaps.push_back(*found);
+    }
+    if (may_divide(t, found)) divisible.push_back(leaves[i]);
   }
-  report.too_deep =
-      static_cast<double>(deep) / static_cast<double>(std::max<std::size_t>(report.triangles_under_roads, 1));
+  report.too_deep = under > 0 ? deep / under : 0;
+  report.too_deep_by_overlap = under > 0 ? by_overlap / under : 0;
+  tell_overlaps(roads, std::move(overlaps));
   return divisible;
+}
+
+// Adds the carriageways over others, and keeps of places near one another the worst.
+void Terrain::Impl::tell_overlaps(const Plates& roads, std::vector<Overlap> found) {
+  report.over_others_m2 = 0;
+  for (const Plate& plate : roads.all()) {
+    if (!plate.on_ground || plate.levelled) continue;
+    report.over_others_m2 += 4 * plate.half_m.x * plate.half_m.y;
+    found.push_back({plate.center_m, plate.height_m(plate.center_m) - mesh->height_at(to_lattice(plate.center_m))});
+  }
+  std::sort(found.begin(), found.end(), [](const Overlap& a, const Overlap& b) { return a.apart_m > b.apart_m; });
+  std::vector<Overlap> places;
+  for (const Overlap& overlap : found) {
+    const auto is_near = [&](const Overlap& p) {
+      return glm::length(p.at_m - overlap.at_m) <= TerrainReport::kOverlapPlaces_m;
+    };
+    if (std::none_of(places.begin(), places.end(), is_near)) places.push_back(overlap);
+  }
+  report.overlap_places = places.size();
+  report.overlaps = {};
+  std::copy_n(places.begin(), std::min(places.size(), report.overlaps.size()), report.overlaps.begin());
 }
 
 // Vertices are shared: what is lowered for one triangle may make another too deep, which is then divided, and all begins
 // again from the levelled ground.
 void Terrain::Impl::guarantee(const Plates& roads) {
+  std::vector<ClearanceBounds> aimed;
   for (int round = 0;; ++round) {
-    std::vector<double> aimed(mesh->vertices());
-    for (std::uint32_t v = 0; v < aimed.size(); ++v) aimed[v] = mesh->height(v);
-    lower(roads);
-    const std::vector<std::int32_t> deep = prove(roads);
+    bound_clearances(roads, aimed);
+    const std::vector<double> lowered = lower(aimed);
+    const std::vector<std::int32_t> deep = prove(roads, aimed, lowered);
     if (deep.empty() || round == kMostRounds) return;
     std::set<std::array<std::uint32_t, 3>> marked;
     for (const std::int32_t leaf : deep) {
       const Bisection::Triangle& t = mesh->triangle(leaf);
       marked.insert({t.apex, t.left, t.right});
     }
-    for (std::uint32_t v = 0; v < aimed.size(); ++v) mesh->set_height(v, aimed[v]);
+    for (std::uint32_t v = 0; v < lowered.size(); ++v) mesh->set_height(v, mesh->height(v) + lowered[v]);
     mesh->refine([&](const Bisection::Triangle& t) { return marked.contains({t.apex, t.left, t.right}); }, SIZE_MAX);
   }
 }
@@ -323,12 +398,12 @@ void Terrain::Impl::emit(const KnownHeights& ground, const VertexDetail& detail)
   std::vector<glm::vec3> normals(mesh->vertices());
   std::vector<float> road_m(mesh->vertices());
   for_each_index(normals.size(), [&](std::size_t v) {
-    const glm::dvec2 at(mesh->lattice(static_cast<std::uint32_t>(v))), east(1, 0), north(0, 1);
+    const glm::dvec2 at(mesh->lattice(static_cast<std::uint32_t>(v))), east(1 << finer, 0), north(0, 1 << finer);
     const glm::dvec2 slope(height_m(ground, at + east) - height_m(ground, at - east),
                            height_m(ground, at + north) - height_m(ground, at - north));
     road_m[v] = static_cast<float>(
         std::min(ground.ground().edge_distance_m(to_world(at), TerrainMesh::kVerge_m), TerrainMesh::kVerge_m));
-    normals[v] = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * unit_m)));
+    normals[v] = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * post_m())));
   });
   tell(0.9);
   const Bounds roads = bounds(ground.ground().index().network());
@@ -395,6 +470,11 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   if (!(l.gap_m > 0 && l.shoulder_m >= 0 && l.cut_slope > 0 && l.fill_slope > 0 && l.reach_m > 0 && l.cover_m >= 0)) {
     return usage("gap, slopes and reach of the levelling must be positive, shoulder and cover not negative");
   }
+  if (!(l.ditch_depth_m >= 0 && l.ditch_bottom_m >= 0 && l.ditch_inner_slope > 0 && l.ditch_outer_slope > 0 &&
+        l.ditch_width_m() < 0.5 * l.reach_m)) {
+    return usage(
+        "a ditch's slopes must be positive, its depth and bottom not negative, and it must be narrower than 25 m");
+  }
   if (!(options.least_clearance_m > 0 && options.most_clearance_m > options.least_clearance_m)) {
     return usage("the least clearance under the roads must be positive, and less than the most");
   }
@@ -415,7 +495,8 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   const Levelling ground(index, natural, impl->options.levelling);
   Plates roads(network, ground.supports());
   const double level_m = impl->options.levelling.gap_m + kNotLevelled_m;
-  roads.find_levelled([&](glm::dvec2 p) { return ground.height_m(p); }, level_m);
+  roads.find_overlaps(options.most_clearance_m - options.least_clearance_m);
+  roads.find_levelled([&](glm::dvec2 p) { return ground.height_m(p); }, level_m, impl->options.levelling.shoulder_m);
   impl->tell(0.3);
   const KnownHeights known(ground);
   impl->triangulate(known, roads);

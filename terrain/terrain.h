@@ -27,6 +27,7 @@
 #include "terrain/hollow.h"
 #include "terrain/levelling.h"
 #include "terrain/natural.h"
+#include "terrain/overlap.h"
 
 namespace roadgen {
 
@@ -35,8 +36,8 @@ class GroundSource;
 struct TerrainOptions {
   // How far the terrain reaches beyond the roads' bounds; less where the elevation ends before. > 0. Default: 1.5 km
   double margin_m = 1500;
-  // Distance of the mesh's posts under the carriageways; rounded down to a multiple of 1/64 m so that tiles fit.
-  // [0.25, 16]. Default: 2 m
+  // Distance of the mesh's posts under the carriageways, about; where roads at different heights lie side by side, and
+  // in ditches, down to an eighth of it, but not below 0.2 m. [0.25, 16]. Default: 2 m
   double spacing_m = 2;
   LevellingOptions
       levelling;  // shoulder_m is raised to 1.5 spacing_m where it is less, lest triangles bend under a road
@@ -57,8 +58,8 @@ struct TerrainOptions {
   std::function<void(double fraction)> progress;  // called now and then with 0 to 1; may be empty
 };
 
-// A square tile of the mesh, 0.5 to 1 km wide (more in worlds beyond 50 km). Positions are floats relative to the origin and exact: x and y are multiples of 1/64 m,
-// z of 1/1024 m, so that neighbouring tiles meet without a gap.
+// A square tile of the mesh, 0.5 to 1 km wide (more in worlds beyond 50 km). Positions are floats relative to the origin and exact: multiples
+// of 1/1024 m, so that neighbouring tiles meet without a gap.
 struct TerrainMesh {
   static constexpr double kVerge_m = 16;
   glm::dvec3 origin_m{0, 0, 0};
@@ -99,11 +100,20 @@ struct TerrainMesh {
 struct TerrainReport {
   // Of the carriageways above the triangles, by bounds that hold everywhere, not by samples (terrain/plates.h). Least: at
   // least least_clearance_m, of all carriageways, at every level of detail. Greatest: of those that the ground is levelled
-  // to, which bridges and roads over others are not; more than most_clearance_m only where legs at different heights lie
-  // closer than the posts. Coarser levels come to more by at most what they deviate from the finest.
+  // to, which bridges and roads over others are not; more than most_clearance_m where roads overlap at different heights
+  // or lie closer than the finest posts. Coarser levels come to more by at most what they deviate from the finest.
   double clearance_min_m = 0, clearance_max_m = 0;
-  glm::dvec2 clearance_max_at_m{0, 0};    // a corner of the triangle where that is
-  double too_deep = 0;                    // part of the triangles under roads that exceed most_clearance_m
+  glm::dvec2 clearance_max_at_m{0, 0};  // a corner of the triangle where that is
+  // Of the triangles under roads, by area, the part that exceeds most_clearance_m; that of it next to two carriageways above
+  // one another, where no ground is just below both; and how many triangles these are.
+  double too_deep = 0, too_deep_by_overlap = 0;
+  std::size_t triangles_too_deep = 0, triangles_too_deep_by_overlap = 0;
+  // Carriageways over others, on no bridge, that the ground is not levelled to; places of these and of the overlaps above,
+  // more than kOverlapPlaces_m apart, worst first; how many there are of them.
+  static constexpr double kOverlapPlaces_m = 30;
+  double over_others_m2 = 0;
+  std::array<Overlap, 16> overlaps{};
+  std::size_t overlap_places = 0;
   std::size_t triangles_under_roads = 0;  // that the guarantee was proven for
   std::size_t triangles_lowered = 0;      // of them, and how far at most
   double lowered_max_m = 0;
@@ -118,6 +128,7 @@ struct TerrainReport {
   std::size_t triangles = 0, vertices = 0, tiles = 0;
   std::size_t triangles_coarsest = 0;  // at the coarsest level that leaves every road above the ground
   double spacing_m = 0;                // of the mesh's posts under the carriageways, as used
+  double finest_spacing_m = 0;         // and of those between roads at different heights
   double natural_spacing_m = 0;  // of the posts that the natural ground was sampled at: 0.6 of the elevation's own,
                                  // more where the area is greater than 2048 of them
   double tolerance_factor = 1;   // what max_triangles has raised the tolerances by

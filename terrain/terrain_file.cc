@@ -359,9 +359,10 @@ std::uint64_t terrain_key(std::string_view network_file, const Elevation* elevat
     hash.add(posts.values.data(), posts.values.size() * sizeof(float));
   }
   const LevellingOptions& l = options.levelling;
-  for (const double x : {options.margin_m, options.spacing_m, options.least_clearance_m, options.most_clearance_m,
-                         options.tolerance_m, options.tolerance_per_m, options.rolling_m, l.gap_m, l.shoulder_m,
-                         l.cut_slope, l.fill_slope, l.cover_m, l.reach_m}) {
+  for (const double x :
+       {options.margin_m, options.spacing_m, options.least_clearance_m, options.most_clearance_m, options.tolerance_m,
+        options.tolerance_per_m, options.rolling_m, l.gap_m, l.shoulder_m, l.cut_slope, l.fill_slope, l.cover_m,
+        l.reach_m, l.ditch_depth_m, l.ditch_bottom_m, l.ditch_inner_slope, l.ditch_outer_slope}) {
     hash.add_value(x);
   }
   hash.add_value(options.max_triangles);

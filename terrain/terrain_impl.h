@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -61,12 +62,15 @@ struct Terrain::Impl {
   double unit_m = 1;  // of the lattice
   glm::dvec2 origin_m{0, 0};
   int k = 9;
+  int finer = 0;  // how often posts may be divided that are options.spacing_m apart
   glm::ivec2 tile_count{1, 1};
   std::unique_ptr<Bisection> mesh;  // while it is built
   HeightMesh heights;
   std::vector<Hollow> hollows;
   BoxTree hollow_tree;
 
+  double post_m() const { return unit_m * (1 << finer); }
+  bool is_finer(const Bisection::Triangle& t) const { return t.level >= mesh->finest() - 2 * finer; }
   glm::dvec2 to_world(glm::dvec2 lattice) const { return origin_m + unit_m * lattice; }
   glm::dvec2 to_lattice(glm::dvec2 point_m) const { return (point_m - origin_m) / unit_m; }
 
@@ -78,11 +82,15 @@ struct Terrain::Impl {
     return ground.height_m(glm::ivec2(4.0 * lattice), to_world(lattice));
   }
   bool is_wanted(const KnownHeights& ground, const Plates& roads, const Bisection::Triangle& t, double factor) const;
+  bool may_divide(const Bisection::Triangle& t, const std::optional<Overlap>& overlap) const;
+  std::optional<Overlap> overlap(const Plates& roads, const Bisection::Triangle& t) const;
   void triangulate(const KnownHeights& ground, const Plates& roads);
   void guarantee(const Plates& roads);
-  std::vector<ClearanceBounds> clearances(const Plates& roads, const std::vector<std::int32_t>& leaves) const;
-  void lower(const Plates& roads);
-  std::vector<std::int32_t> prove(const Plates& roads);
+  void bound_clearances(const Plates& roads, std::vector<ClearanceBounds>& aimed) const;
+  std::vector<double> lower(const std::vector<ClearanceBounds>& aimed);
+  std::vector<std::int32_t> prove(const Plates& roads, const std::vector<ClearanceBounds>& aimed,
+                                  const std::vector<double>& lowered);
+  void tell_overlaps(const Plates& roads, std::vector<Overlap> found);
   void measure(const Network& network, const Supports& supports, const Grid& natural);
   void index_hollows();
   std::vector<std::uint32_t> hollows_met(const std::array<glm::dvec3, 3>& triangle) const;

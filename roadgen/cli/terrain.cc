@@ -1,12 +1,17 @@
 // roadgen terrain: the ground levelled along the roads, as a GeoTIFF, and what is proven of it, as JSON.
 #include "terrain/terrain.h"
 
+#include <algorithm>
+#include <array>
+#include <string>
+
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "roadgen/cli/command.h"
 #include "roadgen/export/atomic_file.h"
 #include "roadgen/import/opendrive.h"
+#include "roadgen/query/road_index.h"
 
 namespace roadgen::cli {
 namespace {
@@ -14,7 +19,27 @@ namespace {
 constexpr const char* kName = "roadgen terrain";
 using Json = nlohmann::ordered_json;
 
-Json describe(const Elevation& elevation, const TerrainReport& report, const TerrainOptions& options) {
+// The roads of an overlap, and where it is.
+Json describe(const Overlap& overlap, const RoadIndex& index) {
+  constexpr double kAbout_m = 0.5;
+  std::array<RoadPoint, 8> room;
+  const std::size_t count = std::min(index.candidates(overlap.at_m, kAbout_m, room), room.size());
+  Json roads = Json::array();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!room[i].has_road()) continue;
+    const std::string& id = index.network().roads[room[i].at.road].id;
+    if (std::find(roads.begin(), roads.end(), id) == roads.end()) roads.push_back(id);
+  }
+  return {{"at", {overlap.at_m.x, overlap.at_m.y}}, {"apart_m", overlap.apart_m}, {"roads", roads}};
+}
+
+Json describe(const Elevation& elevation, const Network& network, const TerrainReport& report,
+              const TerrainOptions& options) {
+  Json overlaps = Json::array();
+  const RoadIndex index(network);
+  for (std::size_t i = 0; i < std::min(report.overlap_places, report.overlaps.size()); ++i) {
+    overlaps.push_back(describe(report.overlaps[i], index));
+  }
   return {
       {"clearance_min_m", report.clearance_min_m},
       {"clearance_max_m", report.clearance_max_m},
@@ -28,6 +53,12 @@ Json describe(const Elevation& elevation, const TerrainReport& report, const Ter
       {"triangles_cut_for_tunnels", report.triangles_cut},
       {"triangles_under_roads", report.triangles_under_roads},
       {"too_deep_part", report.too_deep},
+      {"too_deep_by_overlap_part", report.too_deep_by_overlap},
+      {"triangles_too_deep", report.triangles_too_deep},
+      {"triangles_too_deep_by_overlap", report.triangles_too_deep_by_overlap},
+      {"over_other_roads_m2", report.over_others_m2},
+      {"overlap_places", report.overlap_places},
+      {"overlaps", overlaps},
       {"triangles_lowered", report.triangles_lowered},
       {"lowered_max_m", report.lowered_max_m},
       {"deepest_cut_m", report.deepest_cut_m},
@@ -38,6 +69,7 @@ Json describe(const Elevation& elevation, const TerrainReport& report, const Ter
       {"vertices", report.vertices},
       {"tiles", report.tiles},
       {"spacing_m", report.spacing_m},
+      {"finest_spacing_m", report.finest_spacing_m},
       {"natural_spacing_m", report.natural_spacing_m},
       {"area",
        {{"low", {report.area.low_m.x, report.area.low_m.y}}, {"high", {report.area.high_m.x, report.area.high_m.y}}}},
@@ -98,7 +130,7 @@ int run_terrain(const Arguments& arguments) {
   if (!output.empty()) {
     if (Status status = write_terrain(*terrain, *network, post_m, output); !status) return fail(kName, status.error());
   }
-  if (Status status = put_out(describe(*elevation, terrain->report(), options).dump(2) + "\n", ""); !status) {
+  if (Status status = put_out(describe(*elevation, *network, terrain->report(), options).dump(2) + "\n", ""); !status) {
     return fail(kName, status.error());
   }
   return kExitDone;

@@ -102,8 +102,9 @@ std::vector<Scene> scenes() {
   all.push_back({"hairpins at 15 %", hairpin_network(0.15), kMost_m});
   all.push_back({"tight hairpins at 15 %", hairpin_network(0.15, 60, 9), kMost_m});
   all.push_back({"legs 5 m above each other, 8 m apart", stacked_legs(5, 8), kMost_m});
+  all.push_back({"legs 3 m above each other, 1 m apart", stacked_legs(3, 1), kMost_m});
   all.push_back({"crest and dip", crest(), kMost_m});
-  all.push_back({"faulty heights", faulty_heights(), 0.35});
+  all.push_back({"faulty heights", faulty_heights(), kMost_m});
   return all;
 }
 
@@ -193,10 +194,40 @@ TEST(Terrain, UnderABridgeTheLowerRoadWins) {
   ASSERT_TRUE(terrain);
   const Clearance c = independent_clearance(network, 0.25, [&](glm::dvec2 p) { return terrain->height_m(p); });
   EXPECT_GE(c.min_m, kLeast_m);
-  // The triangles of the wall at the shoulder are lowered a little, since they are steep under the upper carriageway.
+  // The triangles of the wall at the lower road's edges are lowered, since they are steep: by at most what one falls within
+  // half a metre, the finest posts of a wall under a carriageway.
   EXPECT_GE(c.max_m, 7.02);
-  EXPECT_LE(c.max_m, 7.75);
+  EXPECT_LE(c.max_m, 8.25);
   EXPECT_LT(terrain->height_m({0, 0}), 500);
+  // It is the only place, and told.
+  const TerrainReport& report = terrain->report();
+  EXPECT_GT(report.triangles_too_deep, 0u);
+  EXPECT_EQ(report.triangles_too_deep_by_overlap, report.triangles_too_deep);
+  EXPECT_LT(report.too_deep, 0.01);
+  ASSERT_EQ(report.overlap_places, 1u);
+  EXPECT_LT(glm::length(report.overlaps[0].at_m), 12);
+  EXPECT_NEAR(report.overlaps[0].apart_m, 7, 1.1);
+  // Of 8 m x 8 m, in whole plates.
+  EXPECT_GT(report.over_others_m2, 40);
+  EXPECT_LT(report.over_others_m2, 200);
+}
+
+// Two carriageways that do not overlap, however near: a wall stands between them, and neither lies deep.
+TEST(Terrain, BetweenRoadsSideBySideStandsAWall) {
+  for (const auto& [rise, apart] : {std::pair(3.0, 1.0), {0.5, 0.8}, {6.0, 2.0}}) {
+    const Network network = stacked_legs(rise, apart);
+    const auto terrain = Terrain::build(network, nullptr, small());
+    ASSERT_TRUE(terrain);
+    const TerrainReport& report = terrain->report();
+    std::printf("%.1f m above each other, %.1f m apart: %.3f to %.3f m, %zu of %zu too deep\n", rise, apart,
+                report.clearance_min_m, report.clearance_max_m, report.triangles_too_deep,
+                report.triangles_under_roads);
+    EXPECT_GE(report.clearance_min_m, kLeast_m);
+    EXPECT_LE(report.clearance_max_m, kMost_m);
+    EXPECT_EQ(report.triangles_too_deep, 0u);
+    EXPECT_EQ(report.overlap_places, 0u);
+    EXPECT_EQ(report.over_others_m2, 0);
+  }
 }
 
 TEST(Terrain, BetweenLegsThereAreRampsNotCliffs) {
@@ -215,11 +246,12 @@ TEST(Terrain, BetweenLegsThereAreRampsNotCliffs) {
   EXPECT_LT(steepest, 3.2);
 }
 
-// A vertex's place in units of 1/64 m: exact as integers.
+// A vertex's place in units of 1/1024 m: exact as integers.
+constexpr double kQuanta = 1024;  // per metre
 using Corner = std::pair<long long, long long>;
 Corner corner(const TerrainMesh& tile, std::uint32_t v) {
   const glm::dvec2 p = glm::dvec2(tile.origin_m) + glm::dvec2(glm::vec2(tile.positions_m[v]));
-  const glm::dvec2 scaled = p * 64.0;
+  const glm::dvec2 scaled = p * kQuanta;
   EXPECT_EQ(scaled.x, std::floor(scaled.x));
   return {static_cast<long long>(scaled.x), static_cast<long long>(scaled.y)};
 }
@@ -243,7 +275,7 @@ void expect_no_cracks(std::span<const TerrainMesh> tiles, const Rectangle& area)
       const double area2 = static_cast<double>((c[1].first - c[0].first) * (c[2].second - c[0].second) -
                                                (c[2].first - c[0].first) * (c[1].second - c[0].second));
       ASSERT_GT(area2, 0);
-      total += 0.5 * area2 / 4096;
+      total += 0.5 * area2 / (kQuanta * kQuanta);
       for (int k = 0; k < 3; ++k) ++edges[{c[k], c[(k + 1) % 3]}];
     }
   }
@@ -252,11 +284,12 @@ void expect_no_cracks(std::span<const TerrainMesh> tiles, const Rectangle& area)
   for (const auto& [edge, count] : edges) {
     ASSERT_EQ(count, 1);
     if (edges.count({edge.second, edge.first})) continue;
-    const double dx = static_cast<double>(edge.second.first - edge.first.first) / 64;
-    const double dy = static_cast<double>(edge.second.second - edge.first.second) / 64;
+    const double dx = static_cast<double>(edge.second.first - edge.first.first) / kQuanta;
+    const double dy = static_cast<double>(edge.second.second - edge.first.second) / kQuanta;
     border += std::hypot(dx, dy);
     // An edge with one triangle only lies on the border of the area.
-    const double x = edge.first.first / 64.0, y = edge.first.second / 64.0;
+    const double x = static_cast<double>(edge.first.first) / kQuanta,
+                 y = static_cast<double>(edge.first.second) / kQuanta;
     EXPECT_TRUE((dx == 0 && (x == area.low_m.x || x == area.high_m.x)) ||
                 (dy == 0 && (y == area.low_m.y || y == area.high_m.y)));
   }

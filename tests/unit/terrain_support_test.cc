@@ -72,10 +72,8 @@ testing::Clearance clearance(const Road& road, double from, double to, const Ter
 }
 
 Supports supports_of(const Network& network) {
-  Grid flat;
-  flat.columns = flat.rows = 1;
-  flat.values = {0};
-  return Supports(network, flat, 0.5, 15);
+  return Supports(
+      network, [](glm::dvec2) { return 0.0; }, 0.5, 15);
 }
 
 // A valley 12 m deep, between along = -60 and 60; its sides rise by at most 0.3.
