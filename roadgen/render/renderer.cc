@@ -376,7 +376,7 @@ Status Renderer::load_ground(std::shared_ptr<const GroundSource> ground) {
 }
 
 Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& options) {
-  if (options.polygon < 3 || options.polygon > 32) {
+  if (options.polygon != 0 && (options.polygon < 3 || options.polygon > 32)) {
     return Error{ErrorCode::kUsage, "the polygons around objects must have 3 to 32 corners"};
   }
   for (const Diagnostic& fault : check(scene, 1)) {
