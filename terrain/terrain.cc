@@ -265,10 +265,11 @@ std::vector<std::int32_t> Terrain::Impl::prove(const Plates& roads, const std::v
 // Adds the carriageways over others, and keeps of places near one another the worst.
 void Terrain::Impl::tell_overlaps(const Plates& roads, std::vector<Overlap> found) {
   report.over_others_m2 = 0;
+  const HeightMesh ground(*mesh, kVertical_m);
   for (const Plate& plate : roads.all()) {
     if (!plate.on_ground || plate.levelled) continue;
     report.over_others_m2 += 4 * plate.half_m.x * plate.half_m.y;
-    found.push_back({plate.center_m, plate.height_m(plate.center_m) - mesh->height_at(to_lattice(plate.center_m))});
+    found.push_back({plate.center_m, plate.height_m(plate.center_m) - ground.height_m(to_lattice(plate.center_m))});
   }
   std::sort(found.begin(), found.end(), [](const Overlap& a, const Overlap& b) { return a.apart_m > b.apart_m; });
   std::vector<Overlap> places;
