@@ -533,7 +533,8 @@ glm::dvec3 Terrain::normal(glm::dvec3 point_m) const {
                 : normal(glm::dvec2(point_m));
 }
 
-Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path) {
+Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path,
+                     VerticalDatum datum, const std::string& geoid) {
   if (!network.georeference) return Error{ErrorCode::kData, "a network without georeference has no place on the Earth"};
   if (!(post_m > 0)) return usage("the post distance must be positive");
   const LocalFrame frame(*network.georeference);
@@ -568,7 +569,7 @@ Status write_terrain(const Terrain& terrain, const Network& network, double post
       grid.at(column, row) = static_cast<float>(h);
     }
   }
-  return write_geotiff(grid, path);
+  return write_geotiff(grid, path, datum, geoid);
 }
 
 }  // namespace roadgen
