@@ -299,18 +299,18 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
 }
 
 // A ditch is there where nothing but its own road is: it fades out over its own width before the shoulders of other legs
-// and areas, and before bridges and tunnels, be they beside its road or further along it.
+// and areas, and before the ends of bridges and tunnels and another width beside them.
 double Levelling::ditch_part(glm::dvec2 point_m, const Wish& wish) const {
   const double width = options_.ditch_width_m(), shoulder = options_.shoulder_m;
   double room = width;
-  index_.visit_within(point_m, shoulder + width, [&](SegmentRef ref, const Segment& segment) {
+  index_.visit_within(point_m, shoulder + 2 * width, [&](SegmentRef ref, const Segment& segment) {
     for (const SupportedPart& part : supports_.of(index_.network(), ref)) {
       const Passing at = passing(part, segment, point_m, shoulder);
       const double beside = at.beside_m - shoulder;
       if (part.support == Support::kGround) {
         if (at.is_beside && glm::length(at.foot_m - wish.foot_m) > kOtherLeg_m) room = std::min(room, beside);
       } else if (std::abs(at.z_m - wish.level_m) < kDitchBelow_m) {
-        room = std::min(room, std::max(at.is_beside ? 0.0 : std::abs(at.beyond_m), beside));
+        room = std::min(room, std::max(at.is_beside ? 0.0 : std::abs(at.beyond_m), beside - width));
       }
     }
   });

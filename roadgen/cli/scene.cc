@@ -25,6 +25,9 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
                  "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid. Default: the roads' own heights");
   add_elevation_options(app, options.dem);
   add_levelling_options(app, options.levelling);
+  app.add_option("--max-triangles", options.max_triangles,
+                 "The ground gets coarser, but not under roads, until it has no more triangles")
+      ->capture_default_str();
   app.add_option(
       "--ground-cache", options.ground_cache_path,
       "File that keeps the ground for the next time; written where it is missing, of other inputs or damaged");
@@ -134,6 +137,7 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   ProgressLine progress;
   TerrainOptions terrain_options;
   terrain_options.levelling = options.levelling;
+  terrain_options.max_triangles = options.max_triangles;
   terrain_options.progress = [&](double part) { progress.show(part, "terrain"); };
   const auto terrain = ground_of(options, network, elevation ? &*elevation : nullptr, terrain_options);
   progress.clear();

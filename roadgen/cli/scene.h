@@ -21,9 +21,10 @@ struct SceneOptions {
   std::string network_path;
   ElevationRequest dem;  // no path: ground from the roads' own heights
   LevellingOptions levelling;
-  std::string ground_cache_path;  // empty: the ground is built every time
-  std::string props_path;         // a scene file of objects; empty: none
-  std::string environment_path;   // a panorama; empty: the procedural sky
+  std::size_t max_triangles = 400000;  // of the ground
+  std::string ground_cache_path;       // empty: the ground is built every time
+  std::string props_path;              // a scene file of objects; empty: none
+  std::string environment_path;        // a panorama; empty: the procedural sky
   std::vector<std::string> ground_textures;
   std::string context = "osmesa";
   int egl_device = -1;

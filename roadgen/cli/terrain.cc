@@ -70,6 +70,7 @@ Json describe(const Elevation& elevation, const Network& network, const TerrainR
       {"triangles", report.triangles},
       {"vertices", report.vertices},
       {"tiles", report.tiles},
+      {"tolerance_factor", report.tolerance_factor},
       {"spacing_m", report.spacing_m},
       {"finest_spacing_m", report.finest_spacing_m},
       {"natural_spacing_m", report.natural_spacing_m},
@@ -104,6 +105,9 @@ int run_terrain(const Arguments& arguments) {
   app.add_option("--depth", options.most_clearance_m, "... and by at most this where the posts allow, m")
       ->capture_default_str();
   add_levelling_options(app, options.levelling);
+  app.add_option("--max-triangles", options.max_triangles,
+                 "The mesh gets coarser, but not under roads, until it has no more triangles")
+      ->capture_default_str();
   if (const auto code = parse(app, arguments)) return *code;
   if (!output.empty()) {
     if (Status status = check_writable(output); !status) return fail(kName, status.error());
