@@ -82,7 +82,9 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
   return false;
 }
 
+#ifndef CHANNELS
 #include "object_light.glsl"
+#endif
 
 // Which samples of the pixel the object covers: the surface is shaded once, its outline is taken at each of them.
 #if SAMPLES > 1

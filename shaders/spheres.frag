@@ -7,8 +7,6 @@ flat in uint sphere_index;
 flat in vec4 place;
 #ifdef NEAR
 flat in vec4 eye;
-#else
-flat in vec2 ahead;
 #endif
 #ifdef IN_PLANE
 in vec2 in_plane;
@@ -20,11 +18,14 @@ layout(location = 40) uniform vec2 sample_places[SAMPLES];  // from the pixel's 
 layout(depth_less) out float gl_FragDepth;
 layout(location = 0) out uint out_index;  // 1 + index
 
-float first_at(vec2 pixel) {
+// Depth in the buffer of what the ray meets; 0 where it passes.
+float depth_at(vec2 pixel) {
 #ifdef NEAR
-  return sphere_first_near(pixel, eye, place.w, forward.w, false);
+  float k = sphere_first_near(pixel, eye, place.w, forward.w, false);
+  return k == OBJECT_FAR ? 0.0 : forward.w / k;
 #else
-  return sphere_first_far(pixel, place, ahead, forward.w, false);
+  SphereRay r = sphere_ray(pixel, place);
+  return r.half2 < 0.0 ? 0.0 : forward.w / (place.z + sphere_front(r));
 #endif
 }
 
@@ -32,19 +33,19 @@ void main() {
 #if defined(IN_PLANE) && SAMPLES == 1
   if (dot(in_plane, in_plane) > 1.0) discard;
 #endif
-  float k = first_at(gl_FragCoord.xy);
+  float depth = depth_at(gl_FragCoord.xy);
 #if SAMPLES > 1
   int mask = 0;
   for (int i = 0; i < SAMPLES; ++i) {
-    float met = first_at(gl_FragCoord.xy + sample_places[i]);
-    if (met == OBJECT_FAR) continue;
+    float met = depth_at(gl_FragCoord.xy + sample_places[i]);
+    if (met == 0.0) continue;
     mask |= 1 << i;
     // The centre is not on the sphere: the depth of the first sample that is.
-    if (k == OBJECT_FAR) k = met;
+    if (depth == 0.0) depth = met;
   }
   gl_SampleMask[0] = mask;
 #endif
-  if (k == OBJECT_FAR) discard;
+  if (depth == 0.0) discard;
   out_index = sphere_index + 1u;
-  gl_FragDepth = forward.w / (place.z + k);
+  gl_FragDepth = depth;
 }

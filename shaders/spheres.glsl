@@ -14,44 +14,43 @@ dvec3 sphere_center(vec4 sphere) {
   return set_from_eye + dvec3(dot(view_right.xyz, p), dot(view_up.xyz, p), dot(view_forward.xyz, p));
 }
 
-// Whether the eye is so near, or the centre so far aside, that rays are counted from the eye, not from the centre's depth.
-bool sphere_is_near(vec3 center, float radius) {
-  return dot(center, center) <= 9.0 * radius * radius || center.z <= radius;
+// Whether the eye is so near, or the centre so far aside, that rays are counted from the eye, not from the centre's depth;
+// and where the near plane may cut the front off.
+bool sphere_is_near(vec3 center, float radius, float near) {
+  return dot(center, center) <= 9.0 * radius * radius || center.z <= 1.00001 * (radius + near);
 }
 
-// Rays counted from the depth of the centre: o + k d with d = (ahead + a, 1 / r), o = (a depth, 0), a the distance in pixels
-// from the centre's image, in the sphere's units at depth 1.
-struct SphereView {
-  vec4 place;  // xy: the centre's image, pixels; z: its depth, m; w: 1 / radius
-  vec2 ahead;
-  vec2 slope;  // the centre's image at depth 1
+// Of spheres that are not near: xy: the centre's image, pixels; z: its depth, m; w: radius, m.
+vec4 sphere_place(dvec3 center, float radius) {
+  return vec4(vec2(center.xy * (view_size.w / center.z) + view_size.xy), float(center.z), radius);
+}
+
+// Rays counted from the depth of the centre: o + k d, o the place there as seen from the centre, d 1 along the view axis.
+// Half the chord is sqrt(half2) / d^2; where half2 < 0 the ray passes. By Lagrange's identity it is a difference of squares
+// that are no larger than the sphere.
+struct SphereRay {
+  vec2 o;
+  vec2 d;
+  float d2;
+  float half2;
 };
 
-SphereView sphere_view(dvec3 center, float radius) {
-  dvec2 slope = center.xy * (1.0lf / center.z);
-  SphereView v;
-  v.place = vec4(vec2(slope * view_size.w + view_size.xy), float(center.z), 1.0 / radius);
-  v.slope = vec2(slope);
-  v.ahead = v.slope * v.place.w;
-  return v;
+SphereRay sphere_ray(vec2 pixel, vec4 place) {
+  SphereRay r;
+  r.o = (pixel - place.xy) * (right.w * place.z);
+  r.d = pixel * right.w - eye_phase.zw;
+  r.d2 = dot(r.d, r.d) + 1.0;
+  float across = r.o.x * r.d.y - r.o.y * r.d.x;
+  r.half2 = place.w * place.w * r.d2 - (dot(r.o, r.o) + across * across);
+  return r;
 }
 
-// k of the front, or of the back where the near plane cuts the front off; OBJECT_FAR where the ray passes. clamped: then that
-// of the place nearest to the centre.
-float sphere_first_far(vec2 pixel, vec4 place, vec2 ahead, float near, bool clamped) {
-  vec2 at = (pixel - place.xy) * (right.w * place.w);
-  vec2 o = at * place.z;
-  vec3 d = vec3(ahead + at, place.w);
-  float per_a = 1.0 / dot(d, d);
-  float middle = -(o.x * d.x + o.y * d.y) * per_a;
-  vec3 nearest = vec3(o + d.xy * middle, d.z * middle);
-  float half2 = 1.0 - dot(nearest, nearest);
-  float half_ = sqrt(max(half2, 0.0) * per_a);
-  float k = place.z + middle - half_ >= near ? middle - half_ : middle + half_;
-  return (half2 >= 0.0 || clamped) && place.z + k >= near ? k : OBJECT_FAR;
-}
+// k of the front; where the ray passes, of the place nearest to the centre.
+float sphere_front(SphereRay r) { return -(dot(r.o, r.d) + sqrt(max(r.half2, 0.0))) / r.d2; }
 
-// The same of rays that are counted from the eye. eye: in the sphere's frame; w: the sphere's value there, from double.
+// Near ones: k from the eye of the front, or of the back where the near plane cuts the front off; OBJECT_FAR where the ray
+// passes. clamped: then that of the place nearest to the centre. eye: in the sphere's frame; w: the sphere's value there,
+// from double.
 float sphere_first_near(vec2 pixel, vec4 eye, float per_radius, float near, bool clamped) {
   vec3 d = vec3((pixel - vec2(view_size.xy)) * right.w, 1.0) * per_radius;
   float a = dot(d, d);

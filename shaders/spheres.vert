@@ -1,81 +1,78 @@
-// A polygon around the circle in which the eye sees a sphere, or the rectangle on the screen. CORNERS vertices a sphere.
+// A polygon around the circle in which the eye sees a sphere, or the rectangle on the screen.
 // NEAR: for spheres that sphere_is_near names.
 #include "frame.glsl"
 #include "spheres.glsl"
 
 layout(std430, binding = 5) readonly buffer SphereOrder { uint sphere_order[]; };
 layout(location = 1) uniform uint first_drawn;  // in sphere_order
-#ifndef PROXY_RECTANGLE
-layout(location = 3) uniform vec2 corners[CORNERS];  // around the unit circle
+#ifdef PROXY_RECTANGLE
+const int corner_count = 4;
+#else
+layout(location = 2) uniform int corner_count;
+layout(location = 3) uniform vec2 corners[32];  // around the unit circle
 #endif
 
+// Rasterizers round corners to 1/256 of a pixel.
+const float kProxyRoom_px = 0.01;
+
 flat out uint sphere_index;
-flat out vec4 place;  // SphereView; NEAR: w alone
+flat out vec4 place;  // sphere_place; NEAR: w: 1 / radius
 #ifdef NEAR
 flat out vec4 eye;
-#else
-flat out vec2 ahead;
 #endif
 #ifdef IN_PLANE
 out vec2 in_plane;  // the place in the circle's plane
 #endif
 
 void main() {
-  int drawn = gl_VertexID / CORNERS;
-  int corner_index = gl_VertexID - drawn * CORNERS;
+  int drawn = gl_VertexID / corner_count;
+  int corner_index = gl_VertexID - drawn * corner_count;
   sphere_index = sphere_order[first_drawn + uint(drawn)];
   vec4 sphere = spheres[sphere_index];
   float radius = sphere.w;
   dvec3 center = sphere_center(sphere);
   vec3 c = vec3(center);
   float near = forward.w;
-#ifdef IN_PLANE
-  in_plane = vec2(0.0);
-#endif
+  vec2 scale = 1.0 / eye_phase.zw;
+  // The nearest that anything of it can be: what is written is never in front of this.
+  float depth = near / max(c.z - 1.00001 * radius, near);
 #ifdef NEAR
   place = vec4(0.0, 0.0, 0.0, 1.0 / radius);
   eye = sphere_eye(center, radius);
+#ifdef IN_PLANE
+  in_plane = vec2(0.0);
+#endif
   // Behind the near plane, or all over the screen.
   bool behind = c.z + radius < near;
-  bool around = dot(eye.xyz, eye.xyz) < 1.03 || c.z <= radius * 1.0001;
-#else
-  SphereView v = sphere_view(center, radius);
-  place = v.place;
-  ahead = v.ahead;
-#endif
-  // The nearest that anything of it can be: what is written is never in front of this.
-  float depth = near / max(c.z - 1.00001 * radius, near);
-  vec2 scale = 1.0 / eye_phase.zw;
-#ifdef PROXY_RECTANGLE
-  vec2 side = vec2(corner_index == 0 || corner_index == 3 ? 1.0 : -1.0, corner_index < 2 ? 1.0 : -1.0);
-#ifdef NEAR
-  if (behind || around) {
-    gl_Position = behind ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(side, 1.0, 1.0);
+  if (behind || dot(eye.xyz, eye.xyz) < 1.03 || c.z <= radius * 1.0001) {
+    gl_Position = behind ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(corners[corner_index] * 2.0, 1.0, 1.0);
     return;
   }
   vec2 slope = c.xy / c.z;
 #else
-  vec2 slope = v.slope;
+  vec2 slope = vec2(center.xy * (1.0lf / center.z));
+  place = sphere_place(center, radius);
 #endif
+#ifdef PROXY_RECTANGLE
   // The tangent lines of the projected sphere: planes through the eye of normal (1, 0, -m) touch where (c.x - m c.z)^2 =
   // r^2 (1 + m^2). With a = c.z^2 - r^2: m = c.x / c.z + (its difference from there), which is small and computed as such.
+  vec2 side = vec2(corner_index == 0 || corner_index == 3 ? 1.0 : -1.0, corner_index < 2 ? 1.0 : -1.0);
   float a = (c.z - radius) * (c.z + radius);
   vec2 wide = radius * sqrt(c.xy * c.xy + a);
-  gl_Position = vec4((slope + (slope * (radius * radius) + side * wide) / a) * scale, depth, 1.0);
+  vec2 m = slope + (slope * (radius * radius) + side * wide) / a;
+  gl_Position = vec4((m + side * (kProxyRoom_px * right.w)) * scale, depth, 1.0);
 #else
-  vec2 corner = corners[corner_index];
-#ifdef NEAR
-  if (behind || around) {
-    gl_Position = behind ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(corner * 2.0, 1.0, 1.0);
-    return;
-  }
-#endif
+  vec2 corner = corners[corner_index] * (1.0 + kProxyRoom_px * right.w * c.z / radius);
 #ifdef IN_PLANE
   in_plane = corner;
 #endif
   float from2 = dot(c, c);
   vec3 q = sphere_circle(corner.x, corner.y, -c * inversesqrt(from2), sqrt(from2) / radius) * radius;
-  dvec3 at = center + dvec3(q);
-  gl_Position = vec4(float(at.x) * scale.x, float(at.y) * scale.y, depth * float(at.z), float(at.z));
+  // Counted from the centre's slope, which is known from double.
+  float w = c.z + q.z;
+  gl_Position = vec4((slope * w + (q.xy - slope * q.z)) * scale, depth * w, w);
 #endif
+  // llvmpipe fills its last vector of vertices with what no one draws, and where one of those is not a number it clips all
+  // triangles one by one.
+  if (isnan(gl_Position.x)) gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
 }

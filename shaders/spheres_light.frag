@@ -19,29 +19,27 @@ struct SpherePoint {
   vec3 local;     // on the unit sphere, in ENU
 };
 
-// Requires: spheres[index] is met by the ray there, or passed within rounding.
+// Requires: spheres[index] is met by the ray there, or passed within rounding. NEAR: where some of the set's are near.
 SpherePoint sphere_point(uint index, vec2 pixel) {
   vec4 sphere = spheres[index];
   dvec3 center = sphere_center(sphere);
   vec3 c = vec3(center);
   float per_radius = 1.0 / sphere.w;
-  vec2 from_middle = (pixel - vec2(view_size.xy)) * right.w;
-  float depth;
-  vec3 p;  // on the unit sphere, in the view's axes
-  if (sphere_is_near(c, sphere.w)) {
+  vec4 place = sphere_place(center, sphere.w);
+  SphereRay ray = sphere_ray(pixel, place);
+  float k = sphere_front(ray);
+  float depth = place.z + k;
+  // From the centre: the ray's place at the centre's depth, and on from there. On the unit sphere, in the view's axes.
+  vec3 p = vec3(ray.o + ray.d * k, k) * per_radius;
+#ifdef NEAR
+  if (sphere_is_near(c, sphere.w, forward.w)) {
     vec4 eye = sphere_eye(center, sphere.w);
     depth = sphere_first_near(pixel, eye, per_radius, forward.w, true);
-    p = eye.xyz + vec3(from_middle, 1.0) * (depth * per_radius);
-  } else {
-    SphereView v = sphere_view(center, sphere.w);
-    float k = sphere_first_far(pixel, v.place, v.ahead, forward.w, true);
-    depth = c.z + k;
-    // From the centre: the ray's place at the centre's depth, and on from there.
-    vec2 aside = (pixel - v.place.xy) * (right.w * c.z);
-    p = vec3(aside + from_middle * k, k) * per_radius;
+    p = eye.xyz + vec3(ray.d, 1.0) * (depth * per_radius);
   }
+#endif
   SpherePoint s;
-  s.direction = forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
+  s.direction = forward.xyz + right.xyz * ray.d.x + up.xyz * ray.d.y;
   s.position = s.direction * depth;
   s.local = right.xyz * p.x + up.xyz * p.y + forward.xyz * p.z;
   s.normal = normalize(s.local);
@@ -66,9 +64,9 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
   return true;
 }
 
+#ifndef CHANNELS
 #include "object_light.glsl"
 
-#ifndef CHANNELS
 vec3 sphere_light(uint index, vec2 pixel) {
   SpherePoint s = sphere_point(index, pixel);
   ObjectPoint p;

@@ -4,7 +4,7 @@
 layout(location = 0) in vec3 in_position;  // relative to the tile's origin, m
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in float in_road;     // distance from the nearest carriageway, m, up to 16
-layout(location = 0) uniform vec3 tile;    // the tile's origin relative to the eye, m
+layout(location = 3) in vec3 tile;         // the tile's origin relative to the eye, m
 
 out vec3 relative;
 out vec3 ground_normal;

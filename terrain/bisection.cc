@@ -8,11 +8,6 @@
 #include "roadgen/road/parallel.h"
 
 namespace roadgen {
-namespace {
-
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
-
-}  // namespace
 
 Bisection::Bisection(glm::ivec2 tiles, int k, Height height) : tiles_(tiles), k_(k), height_(std::move(height)) {
   assert(tiles.x >= 1 && tiles.y >= 1 && k >= 1 && k <= 14);
@@ -38,15 +33,6 @@ Bisection::Bisection(glm::ivec2 tiles, int k, Height height) : tiles_(tiles), k_
   leaves_ = triangles_.size();
   child_.assign(leaves_, -1);
 }
-
-Bisection::Bisection(glm::ivec2 tiles, int k, Kept kept)
-    : tiles_(tiles),
-      k_(k),
-      leaves_(static_cast<std::size_t>(std::count(kept.child.begin(), kept.child.end(), -1))),
-      triangles_(std::move(kept.triangles)),
-      child_(std::move(kept.child)),
-      lattice_(std::move(kept.lattice)),
-      heights_(std::move(kept.heights)) {}
 
 bool Bisection::refine(const Wanted& wanted, std::size_t most_triangles) {
   // Wave by wave: what is wanted of the triangles so far, then the splits, whose children and forced neighbours are the
@@ -111,49 +97,6 @@ void Bisection::halve(std::int32_t i, std::uint32_t middle) {
   relink(t.across_left, i, child);
   relink(t.across_right, i, child + 1);
   ++leaves_;
-}
-
-glm::dvec2 Bisection::clamped(glm::dvec2 place) const {
-  const double width = static_cast<double>(tiles_.x) * cells(), depth = static_cast<double>(tiles_.y) * cells();
-  return {std::clamp(place.x, 0.0, width), std::clamp(place.y, 0.0, depth)};
-}
-
-Bisection::Found Bisection::found(glm::dvec2 place) const {
-  const int x = std::min(static_cast<int>(place.x) >> k_, tiles_.x - 1);
-  const int y = std::min(static_cast<int>(place.y) >> k_, tiles_.y - 1);
-  const glm::ivec2 low(x * cells(), y * cells()), high = low + cells();
-  const glm::dvec2 inside = place - glm::dvec2(low);
-  const bool above = inside.y > inside.x;
-  Found f{2 * (y * tiles_.x + x) + (above ? 1 : 0), {above ? low.x : high.x, above ? high.y : low.y}, high, low};
-  if (above) std::swap(f.left, f.right);
-  for (;;) {
-    const std::int32_t child = child_[static_cast<std::size_t>(f.leaf)];
-    if (child < 0) return f;
-    const glm::ivec2 middle = (f.left + f.right) / 2, apex = f.apex;
-    // The left vertex lies to the right of the ray from the apex to the middle.
-    const bool to_left = cross(glm::dvec2(middle - apex), place - glm::dvec2(apex)) < 0;
-    f = to_left ? Found{child, middle, apex, f.left} : Found{child + 1, middle, f.right, apex};
-  }
-}
-
-std::int32_t Bisection::find(glm::dvec2 place) const { return found(clamped(place)).leaf; }
-
-double Bisection::height_at(glm::dvec2 place) const {
-  place = clamped(place);
-  const Found f = found(place);
-  const Triangle& t = triangle(f.leaf);
-  const glm::dvec2 apex(f.apex), left = glm::dvec2(f.left) - apex, right = glm::dvec2(f.right) - apex;
-  const double area = cross(left, right);
-  const double to_left = cross(place - apex, right) / area, to_right = cross(left, place - apex) / area;
-  return heights_[t.apex] + to_left * (heights_[t.left] - heights_[t.apex]) +
-         to_right * (heights_[t.right] - heights_[t.apex]);
-}
-
-glm::dvec2 Bisection::gradient(std::int32_t leaf) const {
-  const Triangle& t = triangle(leaf);
-  const glm::dvec2 left(lattice_[t.left] - lattice_[t.apex]), right(lattice_[t.right] - lattice_[t.apex]);
-  const double to_left = heights_[t.left] - heights_[t.apex], to_right = heights_[t.right] - heights_[t.apex];
-  return glm::dvec2(to_left * right.y - to_right * left.y, to_right * left.x - to_left * right.x) / cross(left, right);
 }
 
 }  // namespace roadgen

@@ -31,16 +31,6 @@ class Bisection {
   // Requires: tiles >= 1 each way, 1 <= k <= 14, tiles * 2^k < 2^30. Heights of the corners are asked at once. height and
   // what refine() is given are asked from several threads.
   Bisection(glm::ivec2 tiles, int k, Height height);
-  // One that a file held, see kept(). It cannot be refined.
-  struct Kept {
-    std::vector<Triangle> triangles;
-    std::vector<std::int32_t> child;
-    std::vector<glm::ivec2> lattice;
-    std::vector<double> heights;
-  };
-  Bisection(glm::ivec2 tiles, int k, Kept kept);
-  // All that it is made of, for a file.
-  Kept kept() const { return {triangles_, child_, lattice_, heights_}; }
 
   // Splits every triangle that wanted() wants split and that is not of the finest level, until none is or there are
   // more than most_triangles. False in the latter case. Cost: O(triangles).
@@ -80,29 +70,13 @@ class Bisection {
   std::int32_t root(glm::ivec2 tile) const { return 2 * (tile.y * tiles_.x + tile.x); }
   int finest() const { return 2 * k_; }  // level
 
-  // The leaf that holds a place in lattice units, clamped to the rectangle. Cost: O(k).
-  std::int32_t find(glm::dvec2 place) const;
-
-  // The plane of that leaf, evaluated at the place. Cost: O(k), 0.1 to 0.2 us.
-  double height_at(glm::dvec2 place) const;
-  // Its slope, per lattice unit.
-  glm::dvec2 gradient(std::int32_t leaf) const;
-
   glm::ivec2 tiles() const { return tiles_; }
   int cells() const { return 1 << k_; }  // of a tile, each way
 
  private:
-  // The leaf that holds a place within the rectangle, and its corners. They follow from the way to it, whose steps read
-  // nothing but the tree's: what is asked of one place after another waits for memory.
-  struct Found {
-    std::int32_t leaf;
-    glm::ivec2 apex, left, right;
-  };
-  Found found(glm::dvec2 place) const;
   void split(std::int32_t i);
   void halve(std::int32_t i, std::uint32_t middle);
   void relink(std::int32_t neighbour, std::int32_t from, std::int32_t to);
-  glm::dvec2 clamped(glm::dvec2 place) const;
   Triangle& at(std::int32_t i) { return triangles_[static_cast<std::size_t>(i)]; }
 
   glm::ivec2 tiles_;

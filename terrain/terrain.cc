@@ -24,7 +24,7 @@
 namespace roadgen {
 namespace {
 
-constexpr double kLateral_m = 1.0 / 1024, kVertical_m = 1.0 / 1024;  // quanta of the mesh's coordinates
+constexpr double kLateral_m = 1.0 / 1024;  // quantum of the mesh's places
 constexpr double kTileSide_m = 1024;
 constexpr int kMostTiles = 48;           // each way; larger worlds get larger tiles
 constexpr int kMostNaturalPosts = 2048;  // each way
@@ -265,10 +265,11 @@ std::vector<std::int32_t> Terrain::Impl::prove(const Plates& roads, const std::v
 // Adds the carriageways over others, and keeps of places near one another the worst.
 void Terrain::Impl::tell_overlaps(const Plates& roads, std::vector<Overlap> found) {
   report.over_others_m2 = 0;
+  const HeightMesh ground(*mesh, kVertical_m);
   for (const Plate& plate : roads.all()) {
     if (!plate.on_ground || plate.levelled) continue;
     report.over_others_m2 += 4 * plate.half_m.x * plate.half_m.y;
-    found.push_back({plate.center_m, plate.height_m(plate.center_m) - mesh->height_at(to_lattice(plate.center_m))});
+    found.push_back({plate.center_m, plate.height_m(plate.center_m) - ground.height_m(to_lattice(plate.center_m))});
   }
   std::sort(found.begin(), found.end(), [](const Overlap& a, const Overlap& b) { return a.apart_m > b.apart_m; });
   std::vector<Overlap> places;
@@ -452,6 +453,7 @@ void Terrain::Impl::emit(const KnownHeights& ground, const VertexDetail& detail)
       into.insert(into.end(), corner.begin(), corner.end());
     }
     add_cuts(cut, out);
+    order_by_error(out);
     tiles.push_back(std::move(out));
     tell(0.9 + 0.1 * (tile + 1) / (tile_count.x * tile_count.y));
   }
@@ -513,18 +515,40 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   const VertexDetail detail = impl->detail(roads);
   impl->tell(0.8);
   impl->emit(known, detail);
+  impl->heights = HeightMesh(*impl->mesh, kVertical_m);
+  impl->mesh.reset();
+  impl->keep(std::make_shared<const std::vector<TerrainMesh>>(std::move(impl->tiles)));
   impl->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return Terrain(std::move(impl));
 }
 
-const std::vector<TerrainMesh>& Terrain::tiles() const { return impl_->tiles; }
+void Terrain::Impl::keep(std::shared_ptr<const std::vector<TerrainMesh>> all) {
+  stored = ground_in_memory(all);
+  meshes = std::move(all);
+}
+
+const std::vector<TerrainMesh>& Terrain::tiles() const {
+  std::call_once(impl_->meshes_read, [&] {
+    if (!impl_->meshes) impl_->meshes = std::make_shared<const std::vector<TerrainMesh>>(meshes_of(*impl_->stored));
+  });
+  return *impl_->meshes;
+}
+std::shared_ptr<const GroundSource> Terrain::ground() const { return impl_->stored; }
 const TerrainReport& Terrain::report() const { return impl_->report; }
 
-double Terrain::height_m(glm::dvec2 point_m) const { return impl_->mesh->height_at(impl_->to_lattice(point_m)); }
+double Terrain::height_m(glm::dvec2 point_m) const { return impl_->heights.height_m(impl_->to_lattice(point_m)); }
+
+void Terrain::heights_m(std::span<const glm::dvec2> points_m, std::span<double> heights_m) const {
+  std::array<glm::dvec2, 256> places;
+  for (std::size_t first = 0; first < points_m.size(); first += places.size()) {
+    const std::size_t count = std::min(places.size(), points_m.size() - first);
+    for (std::size_t i = 0; i < count; ++i) places[i] = impl_->to_lattice(points_m[first + i]);
+    impl_->heights.heights_m(std::span(places).first(count), heights_m.subspan(first, count));
+  }
+}
 
 glm::dvec3 Terrain::normal(glm::dvec2 point_m) const {
-  const Bisection& mesh = *impl_->mesh;
-  return glm::normalize(glm::dvec3(-mesh.gradient(mesh.find(impl_->to_lattice(point_m))) / impl_->unit_m, 1));
+  return glm::normalize(glm::dvec3(-impl_->heights.gradient(impl_->to_lattice(point_m)) / impl_->unit_m, 1));
 }
 
 double Terrain::height_m(glm::dvec3 point_m) const {

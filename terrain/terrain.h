@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@
 #include "terrain/overlap.h"
 
 namespace roadgen {
+
+class GroundSource;
 
 struct TerrainOptions {
   // How far the terrain reaches beyond the roads' bounds; less where the elevation ends before. > 0. Default: 1.5 km
@@ -84,6 +87,14 @@ struct TerrainMesh {
   std::vector<Node> nodes;
   std::array<std::array<std::uint32_t, 3>, 2> roots{};  // vertices of nodes[0] and nodes[1]: apex, left, right
   std::vector<float> error_m, radius_m;                 // of the vertices, as in VertexDetail
+  // Where there are nodes, vertices go from those whose lack would be seen most to those whose lack least, and nodes with
+  // them: a band is as many as make the mesh finer by about two, and what is up to its end is a mesh of its own. The first
+  // holds what is never left out, and all of the cuts.
+  struct Band {
+    std::uint32_t vertices, nodes;  // up to its end
+    float error_m, radius_m;        // the greatest of its own vertices
+  };
+  std::vector<Band> bands;
 };
 
 struct TerrainReport {
@@ -139,12 +150,17 @@ class Terrain {
   Terrain(Terrain&&) noexcept;
   Terrain& operator=(Terrain&&) noexcept;
 
+  // Of a terrain that was read from a file they are read when first asked for, all of them.
   const std::vector<TerrainMesh>& tiles() const;
+  // The same for a renderer, which reads what it draws; it may outlive this.
+  std::shared_ptr<const GroundSource> ground() const;
   const TerrainReport& report() const;
 
   // Height of the mesh, as drawn; outside its area that of the nearest place of its border. Over tunnels the hill's; at
-  // their portals also where a part of a triangle is cut away, to be looked through. Cost: O(log) , < 1 us.
+  // their portals also where a part of a triangle is cut away, to be looked through. Cost: O(log), some 0.1 us.
   double height_m(glm::dvec2 point_m) const;
+  // Of many points, the same heights in less time. Requires: as many of both.
+  void heights_m(std::span<const glm::dvec2> points_m, std::span<double> heights_m) const;
   // Unit normal of the triangle there.
   glm::dvec3 normal(glm::dvec2 point_m) const;
 

@@ -11,10 +11,14 @@
 
 #include "terrain/bisection.h"
 #include "terrain/detail.h"
+#include "terrain/ground_source.h"
+#include "terrain/height_mesh.h"
 #include "terrain/plates.h"
 #include "terrain/terrain.h"
 
 namespace roadgen {
+
+constexpr double kVertical_m = 1.0 / 1024;  // quantum of the mesh's heights
 
 // Heights of the levelled ground near roads, where they take long and are asked for again and again: by the triangles
 // on both sides of an edge, for its vertex when it is halved, by neighbours for normals. Any number of threads may ask.
@@ -51,13 +55,17 @@ class KnownHeights {
 struct Terrain::Impl {
   TerrainOptions options;
   TerrainReport report;
-  std::vector<TerrainMesh> tiles;
+  std::vector<TerrainMesh> tiles;  // while they are made
+  std::shared_ptr<const GroundSource> stored;
+  std::shared_ptr<const std::vector<TerrainMesh>> meshes;  // its tiles; of a file, once they were asked for
+  std::once_flag meshes_read;
   double unit_m = 1;  // of the lattice
   glm::dvec2 origin_m{0, 0};
   int k = 9;
   int finer = 0;  // how often posts may be divided that are options.spacing_m apart
   glm::ivec2 tile_count{1, 1};
-  std::unique_ptr<Bisection> mesh;
+  std::unique_ptr<Bisection> mesh;  // while it is built
+  HeightMesh heights;
   std::vector<Hollow> hollows;
   BoxTree hollow_tree;
 
@@ -66,6 +74,7 @@ struct Terrain::Impl {
   glm::dvec2 to_world(glm::dvec2 lattice) const { return origin_m + unit_m * lattice; }
   glm::dvec2 to_lattice(glm::dvec2 point_m) const { return (point_m - origin_m) / unit_m; }
 
+  void keep(std::shared_ptr<const std::vector<TerrainMesh>> all);
   void lay_out(const Network& network, const Elevation* elevation);
   Grid natural_ground(const Network& network, const Elevation* elevation) const;
   std::array<glm::dvec3, 3> corners(const Bisection::Triangle& t) const;

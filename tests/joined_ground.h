@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "terrain/detail.h"
+#include "terrain/ground_source.h"
 #include "terrain/terrain.h"
 
 namespace roadgen::test {
@@ -13,7 +14,7 @@ inline std::vector<TerrainMesh> joined(std::span<const TerrainMesh> tiles, const
   std::vector<TerrainMesh> result(tiles.begin(), tiles.end());
   std::vector<std::uint32_t> chosen;
   for (TerrainMesh& tile : result) {
-    select_triangles(tile, detail, chosen);
+    select_triangles(view_of(tile), static_cast<std::uint32_t>(tile.bands.size()), detail, chosen);
     const std::size_t whole = tile.whole();
     for (TerrainMesh::Cut& cut : tile.cuts) {
       cut.first = static_cast<std::uint32_t>(cut.first - whole + chosen.size());

@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   if (const auto status = renderer->load_roads(*network); !status) return fail(status.error());
   if (const auto status = renderer->load_ground(ground->tiles()); !status) return fail(status.error());
   for (const View& view : kViews) {
-    const auto frame = renderer->render(view.camera, {.width = 1280, .height = 800});
+    const auto frame = renderer->render(view.camera, {.width = 960, .height = 600});
     if (!frame) return fail(frame.error());
     const std::string path = std::string(argv[1]) + "." + view.name + ".png";
     if (const auto status = roadgen::write_png(path, frame->color); !status) return fail(status.error());

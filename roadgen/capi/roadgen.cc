@@ -219,7 +219,7 @@ roadgen_status roadgen_renderer_create(const roadgen_network* network, const cha
     if (!drawn_by) return fail(drawn_by.error());
     made->renderer.emplace(std::move(*drawn_by));
     if (auto s = made->renderer->load_roads(network->network); !s) return fail(s.error());
-    if (auto s = made->renderer->load_ground(terrain->tiles()); !s) return fail(s.error());
+    if (auto s = made->renderer->load_ground(terrain->ground()); !s) return fail(s.error());
     *renderer = made.release();
     return ROADGEN_OK;
   });

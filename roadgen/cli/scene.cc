@@ -151,7 +151,7 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
     if (Status s = scene.renderer->set_ground_texture(texture.material, texture.picture); !s) return s.error();
   }
   if (Status s = scene.renderer->load_roads(network); !s) return s.error();
-  if (Status s = scene.renderer->load_ground(terrain->tiles()); !s) return s.error();
+  if (Status s = scene.renderer->load_ground(terrain->ground()); !s) return s.error();
   if (props) {
     if (Status s = scene.renderer->load_objects(*props); !s) return s.error();
   }

@@ -60,8 +60,11 @@ double bending(const Division& division) {
 
 }  // namespace
 
-CurveFit::CurveFit(std::span<const Sample> samples, const FitOptions& options)
-    : options_(options), limit_m_(options.max_error_m * (1 - 1e-6)), origin_m_(samples.front().position_m) {
+CurveFit::CurveFit(const FitSolver& solver, std::span<const Sample> samples, const FitOptions& options)
+    : solver_(solver),
+      options_(options),
+      limit_m_(options.max_error_m * (1 - 1e-6)),
+      origin_m_(samples.front().position_m) {
   for (int lap = 0; lap < (options.closed ? 2 : 1); ++lap) {
     for (const Sample& s : samples) position_m_.push_back(s.position_m - origin_m_);
   }
@@ -199,7 +202,7 @@ void CurveFit::solve(std::vector<Node>& nodes, bool closed) {
     const auto of = samples_of(nodes[i], nodes[i + 1 == m ? 0 : i + 1]);
     samples.push_back({of, std::span(weight_).subspan(nodes[i].begin, of.size())});
   }
-  solve_joints(joints, samples, closed, limit_m_);
+  solver_.solve_joints(joints, samples, closed, limit_m_);
   for (std::size_t i = 0; i < m; ++i) {
     nodes[i].joint = joints[i];
     nodes[i].fits = nodes[i].changed = false;

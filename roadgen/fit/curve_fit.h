@@ -8,7 +8,7 @@
 #include <glm/vec2.hpp>
 
 #include "roadgen/fit/fit.h"
-#include "roadgen/fit/least_squares.h"
+#include "roadgen/fit/solver.h"
 #include "roadgen/fit/stretch.h"
 
 namespace roadgen {
@@ -29,7 +29,7 @@ struct Node {
 class CurveFit {
  public:
   // Requires: samples are finite and no two consecutive ones equal (around the end too where closed); at least two.
-  CurveFit(std::span<const Sample> samples, const FitOptions& options);
+  CurveFit(const FitSolver& solver, std::span<const Sample> samples, const FitOptions& options);
 
   // Finds the nodes: afterwards every sample is within max_error_m of its segment, or is a node itself.
   void run();
@@ -87,6 +87,7 @@ class CurveFit {
   std::vector<double> weights_of(const std::vector<Node>& nodes, bool whole) const;
   bool try_remove(std::size_t node);
 
+  const FitSolver& solver_;
   const FitOptions options_;
   double limit_m_;                      // max_error_m less rounding
   glm::dvec2 origin_m_;                 // positions are relative to the first sample, for precision

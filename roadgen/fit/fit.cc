@@ -10,8 +10,8 @@
 
 #include "roadgen/fit/curve_fit.h"
 #include "roadgen/fit/locate.h"
-#include "roadgen/fit/outliers.h"
 #include "roadgen/fit/profile.h"
+#include "roadgen/fit/solver.h"
 
 namespace roadgen {
 namespace {
@@ -77,7 +77,8 @@ std::vector<Sample> distinct(std::span<const Sample> samples, bool closed, Diagn
 }
 
 // Takes the outliers out of the samples.
-std::vector<Sample> taken_out(std::vector<Sample>& samples, const FitOptions& options, Diagnostics* diagnostics) {
+std::vector<Sample> taken_out(const FitSolver& solver, std::vector<Sample>& samples, const FitOptions& options,
+                              Diagnostics* diagnostics) {
   constexpr std::size_t kMostNamed = 12;
   // Samples that repeat others have no course.
   std::vector<glm::dvec2> positions;
@@ -87,7 +88,7 @@ std::vector<Sample> taken_out(std::vector<Sample>& samples, const FitOptions& op
     positions.push_back(samples[i].position_m);
     of.push_back(i);
   }
-  const std::vector<char> outlier = find_outliers(positions, options.closed, options.max_error_m);
+  const std::vector<char> outlier = solver.find_outliers(positions, options.closed, options.max_error_m);
   std::vector<char> is_out(samples.size(), 0);
   std::string named;
   std::vector<Sample> out, in;
@@ -204,14 +205,16 @@ Result<std::vector<Anchor>> fit_heights(CurveFit& curve, std::span<const Sample>
 
 Result<FittedRoad> fit_road(std::span<const Sample> all, const FitOptions& options, Diagnostics* diagnostics) {
   if (Status s = check_samples(all, options); !s) return s.error();
+  const Result<const FitSolver*> solver = fit_solver();
+  if (!solver) return solver.error();
   std::vector<Sample> samples(all.begin(), all.end()), outliers;
-  if (options.reject_outliers) outliers = taken_out(samples, options, diagnostics);
+  if (options.reject_outliers) outliers = taken_out(**solver, samples, options, diagnostics);
   const std::vector<Sample> kept = distinct(samples, options.closed, diagnostics);
   if (kept.size() < 2) {
     return Error{ErrorCode::kData, "a road needs at least two distinct samples; " + std::to_string(samples.size()) +
                                        " given, " + std::to_string(kept.size()) + " distinct"};
   }
-  CurveFit curve(kept, options);
+  CurveFit curve(**solver, kept, options);
   curve.run();
   Result<std::vector<Anchor>> anchors = fit_heights(curve, kept, options, diagnostics);
   if (!anchors) return anchors.error();

@@ -178,7 +178,9 @@ void read_part(Part& part, const XmlPart& from) {
 // Reads one document. The first error stops everything: each step returns early once the source has failed.
 class Reader {
  public:
-  Reader(std::string_view text, std::string file) : text_(text), source_({}, std::move(file)) {}
+  // own: where the text is, if it may be forgotten as it is read; else null.
+  Reader(std::string_view text, std::string file, std::string* own)
+      : text_(text), own_(own), source_({}, std::move(file)) {}
 
   Result<Network> read(Diagnostics* diagnostics);
 
@@ -191,6 +193,7 @@ class Reader {
   void connect();
 
   std::string_view text_;
+  std::string* own_;
   XodrSource source_;  // of the whole: notes of all parts
   std::optional<XodrHeader> header_;
   Network network_;
@@ -299,7 +302,7 @@ Status Reader::take(Part& part, int line) {
 
 // Reads the parts on all cores, some at a time. What is not XML is told before what is in it.
 Status Reader::read_parts(const std::vector<XmlPart>& parts) {
-  constexpr std::size_t kBatch = 512, kChunk = 8;
+  constexpr std::size_t kBatch = 128, kChunk = 4;
   Status status = Done{};
   for (std::size_t first = 0; first < parts.size(); first += kBatch) {
     std::vector<std::optional<Part>> batch(std::min(kBatch, parts.size() - first));
@@ -311,6 +314,8 @@ Status Reader::read_parts(const std::vector<XmlPart>& parts) {
       if (batch[i]->malformed) return *batch[i]->malformed;
       if (status) status = take(*batch[i], parts[first + i].line);
     }
+    const std::string_view last = parts[first + batch.size() - 1].text;
+    if (own_) forget(*own_, 0, static_cast<std::size_t>(last.data() + last.size() - own_->data()));
   }
   return status;
 }
@@ -341,13 +346,13 @@ Result<Network> Reader::read(Diagnostics* diagnostics) {
 }  // namespace
 
 Result<Network> parse_opendrive(std::string_view text, const std::string& file, Diagnostics* diagnostics) {
-  return Reader(text, file).read(diagnostics);
+  return Reader(text, file, nullptr).read(diagnostics);
 }
 
 Result<Network> read_opendrive(const std::string& path, Diagnostics* diagnostics) {
-  const Result<std::string> text = read_file(path, kMostFile_bytes);
+  Result<std::string> text = read_file(path, kMostFile_bytes);
   if (!text) return text.error();
-  return parse_opendrive(*text, path, diagnostics);
+  return Reader(*text, path, &*text).read(diagnostics);
 }
 
 }  // namespace roadgen

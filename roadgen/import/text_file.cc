@@ -1,5 +1,8 @@
 #include "roadgen/import/text_file.h"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -68,6 +71,13 @@ Result<std::string> read_file(const std::string& path, std::uintmax_t most_bytes
   if (stream.bad()) return Error{ErrorCode::kIo, "cannot be read to its end", path};
   if (text.empty()) return Error{ErrorCode::kParse, "is empty", path};
   return text;
+}
+
+void forget(std::string& text, std::size_t begin, std::size_t end) {
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const auto start = reinterpret_cast<std::uintptr_t>(text.data());
+  const std::uintptr_t from = (start + begin + page - 1) / page * page, to = (start + end) / page * page;
+  if (from < to) ::madvise(reinterpret_cast<void*>(from), to - from, MADV_DONTNEED);
 }
 
 Status check_utf8(std::string_view text, const std::string& file) {

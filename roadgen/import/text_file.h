@@ -23,6 +23,10 @@ Status check_is_file(const std::string& path);
 // where it is larger than most_bytes.
 Result<std::string> read_file(const std::string& path, std::uintmax_t most_bytes = kMostText_bytes);
 
+// Gives the memory of bytes begin to end, which are no longer read, back to the system but for broken pages; they are
+// then 0.
+void forget(std::string& text, std::size_t begin, std::size_t end);
+
 // Error kParse with the line of the first byte that is not UTF-8, or of the first NUL.
 Status check_utf8(std::string_view text, const std::string& file);
 

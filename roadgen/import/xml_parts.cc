@@ -9,11 +9,12 @@ constexpr std::size_t kNone = std::string_view::npos;
 
 // One past the end of the tag that starts at `at`: beyond its ">" outside quotes. npos where it does not end.
 std::size_t tag_end(std::string_view text, std::size_t at) {
-  while ((at = text.find_first_of("\"'>", at)) != kNone) {
-    if (text[at] == '>') return at + 1;
-    at = text.find(text[at], at + 1);
+  for (; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == '>') return at + 1;
+    if (c != '"' && c != '\'') continue;
+    at = text.find(c, at + 1);
     if (at == kNone) break;
-    ++at;
   }
   return kNone;
 }

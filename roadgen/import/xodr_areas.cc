@@ -18,7 +18,9 @@ constexpr double kMostOutside_m = 0.5;
 constexpr double kMostStep_m = 0.3;
 constexpr double kMostFree = 0.5;  // part of the area: shoulders and medians that no way leads over
 constexpr double kWidest_m = 500;  // area, and carriageway of a connecting road
-constexpr double kProbe_m = 0.5;   // distance of the places looked at
+constexpr double kCell_m = 1;      // of the area, covered where a way leads through
+constexpr double kMargin_m = 0.5;  // from the area's edge, where no cell is looked at
+
 const Road* find(const Network& network, const RoadsById& ids, const std::string& id) {
   const auto at = ids.find(id);
   return at == ids.end() ? nullptr : &network.roads[at->second];
@@ -87,27 +89,30 @@ Meetings meetings(const Network& network, const RoadsById& ids) {
 }
 
 // Calls visit(segment, local s, signed offset n, place, whether it is an edge) for places of a connecting road's
-// carriageway, at most across_m apart across it and along_m along the reference line of a bend, twice that where it is
-// straight; until visit returns false, as then does this.
+// carriageway, at most across_m apart across it and along_m along the reference line, its ends included; until visit
+// returns false, as then does this.
 template <class Visit>
 bool visit_carriageway(const Road& road, double along_m, double across_m, const Visit& visit) {
-  for (const Segment& segment : road.segments) {
-    const bool straight = segment.slope_start == 0 && segment.slope_end == 0;
-    const int along = 1 + static_cast<int>((straight ? 0.5 : 1) * segment.arc_m / along_m);
-    for (int i = 0; i <= along; ++i) {
-      const double local = segment.arc_m * i / along, u = u_at_arc(segment, local);
-      const Carriageway c = carriageway_at(road, segment, local);
-      const double heading = heading_rad(segment, u);
-      const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
-      const double cosine = std::cos(segment.superelevation_rad.value(local));
-      const int across = 1 + static_cast<int>((c.left_m - c.right_m) / across_m);
-      for (int j = 0; j <= across; ++j) {
-        const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
-        if (!visit(segment, local, n, middle + n * left, j == 0 || j == across)) return false;
-      }
+  const auto visit_across = [&](const Segment& segment, double local) {
+    const double u = u_at_arc(segment, local), heading = heading_rad(segment, u);
+    const Carriageway c = carriageway_at(road, segment, local);
+    const glm::dvec2 middle = position_m(segment, u), left(-std::sin(heading), std::cos(heading));
+    const double cosine = std::cos(segment.superelevation_rad.value(local));
+    const int across = 1 + static_cast<int>((c.left_m - c.right_m) / across_m);
+    for (int j = 0; j <= across; ++j) {
+      const double n = cosine * (c.right_m + (c.left_m - c.right_m) * j / across);
+      if (!visit(segment, local, n, middle + n * left, j == 0 || j == across)) return false;
     }
+    return true;
+  };
+  double next_m = 0;  // from the segment's start
+  for (const Segment& segment : road.segments) {
+    for (; next_m < segment.arc_m; next_m += along_m) {
+      if (!visit_across(segment, next_m)) return false;
+    }
+    next_m -= segment.arc_m;
   }
-  return true;
+  return visit_across(road.segments.back(), road.segments.back().arc_m);
 }
 
 // Whether all of the area and of the road are level and near one another in height.
@@ -125,16 +130,16 @@ bool are_level(const Junction& area, const Road& road) {
 }
 
 // Where the connecting roads' carriageways are not the area's surface; empty where they are. Places may be as far apart as
-// this: surfaces are smooth, and of a bend of radius 5 m that reaches beyond the area by 0.5 m, 4.5 m of edge are outside.
+// they are: surfaces are smooth, and of a bend of radius 5 m that reaches beyond the area by 0.5 m, 4.5 m of edge are outside.
 std::string departure(const Junction& area, const JunctionSurface& surface, const Network& network,
                       const std::vector<std::size_t>& ways) {
-  constexpr double kStep_m = 2;
+  constexpr double kAlong_m = 3, kAcross_m = 2;
   constexpr double kFar_m = 2 * kMostOutside_m;  // which distances beyond need not be told apart
   const char* why = "";
   for (const std::size_t way : ways) {
     const bool level = are_level(area, network.roads[way]);
     const bool agrees = visit_carriageway(
-        network.roads[way], kStep_m, kStep_m,
+        network.roads[way], kAlong_m, kAcross_m,
         [&](const Segment& segment, double local, double n, glm::dvec2 p, bool is_edge) {
           if (level && !is_edge) return true;
           if (!is_inside(surface, p)) {
@@ -156,25 +161,28 @@ std::string departure(const Junction& area, const JunctionSurface& surface, cons
 bool is_mostly_free(const JunctionSurface& surface, const Network& network, const std::vector<std::size_t>& ways) {
   const glm::dvec2 low = glm::dvec2(surface.center_m) + glm::dvec2(surface.low_m);
   const glm::dvec2 size = glm::dvec2(surface.high_m) - glm::dvec2(surface.low_m);
-  const int columns = 1 + static_cast<int>(size.x / kProbe_m), rows = 1 + static_cast<int>(size.y / kProbe_m);
-  std::vector<bool> covered(static_cast<std::size_t>(columns) * rows, false);
-  // Closer than the cells are wide, so that none of those that a road covers is missed.
+  const int columns = 1 + static_cast<int>(size.x / kCell_m), rows = 1 + static_cast<int>(size.y / kCell_m);
+  std::vector<char> covered(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
+  const auto at = [&](int x, int y) -> char& {
+    return covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x)];
+  };
+  // Closer than the cells are wide, so that none of those that a road covers is missed. Edges are left out: as many cells
+  // are half covered as are half missed.
   for (const std::size_t way : ways) {
-    visit_carriageway(network.roads[way], 0.4 * kProbe_m, 0.5 * kProbe_m,
-                      [&](const Segment&, double, double, glm::dvec2 p, bool) {
-                        const int x = static_cast<int>(std::floor((p.x - low.x) / kProbe_m));
-                        const int y = static_cast<int>(std::floor((p.y - low.y) / kProbe_m));
-                        if (x >= 0 && x < columns && y >= 0 && y < rows)
-                          covered[static_cast<std::size_t>(y) * columns + x] = true;
+    visit_carriageway(network.roads[way], 0.4 * kCell_m, 0.5 * kCell_m,
+                      [&](const Segment&, double, double, glm::dvec2 p, bool is_edge) {
+                        const glm::dvec2 cell = (p - low) / kCell_m;
+                        if (!is_edge && cell.x >= 0 && cell.y >= 0 && cell.x < columns && cell.y < rows)
+                          at(static_cast<int>(cell.x), static_cast<int>(cell.y)) = 1;
                         return true;
                       });
   }
   std::size_t inside = 0, free = 0;
-  for (int y = 0; y < rows; y += 2) {
-    for (int x = 0; x < columns; x += 2) {
-      if (signed_distance_m(surface, low + kProbe_m * glm::dvec2(x + 0.5, y + 0.5), kProbe_m) < kProbe_m) continue;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) {
+      if (signed_distance_m(surface, low + kCell_m * glm::dvec2(x + 0.5, y + 0.5), kMargin_m) < kMargin_m) continue;
       ++inside;
-      free += covered[static_cast<std::size_t>(y) * columns + x] ? 0 : 1;
+      free += at(x, y) ? 0 : 1;
     }
   }
   return static_cast<double>(free) > kMostFree * static_cast<double>(inside);

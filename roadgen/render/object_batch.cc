@@ -11,6 +11,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec4.hpp>
 
+#include "roadgen/render/object_materials.h"
 #include "roadgen/render/object_proxy.h"
 #include "roadgen/render/object_textures.h"
 #include "roadgen/render/sun_grid.h"
@@ -141,12 +142,13 @@ Status ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::
   }
   Kind made;
   made.kind = kind;
+  for (const std::uint32_t i : members) made.materials |= material_parts(scene, scene.objects[i].material);
   made.count = instances.size();
   made.groups = groups_of(sorted, radii);
   made.instances = buffer_of(instances);
   made.order = gl::Buffer::with_data(static_cast<GLsizeiptr>(instances.size() * sizeof(std::uint32_t)), nullptr,
                                      GL_DYNAMIC_STORAGE_BIT);
-  const ProxyMesh mesh = proxy_mesh(row.proxy, options_.rectangle ? 4 : options_.polygon);
+  const ProxyMesh mesh = proxy_mesh(row.proxy, options_.rectangle ? 4 : options_.polygon == 0 ? 8 : options_.polygon);
   made.corners = buffer_of(mesh.corners);
   made.elements = buffer_of(mesh.elements);
   made.element_count = static_cast<GLsizei>(mesh.elements.size());
@@ -167,7 +169,8 @@ Status ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::
   return Done{};
 }
 
-Result<const Program*> ObjectBatch::program(const PrimitiveRow& row, const ObjectView& view) {
+Result<const Program*> ObjectBatch::program(const Kind& kind, const ObjectView& view) {
+  const PrimitiveRow& row = primitive_row(kind.kind);
   const std::string name = row.name;
   const std::string key = name + " " + (view.channels ? "channels" : std::to_string(view.samples));
   if (const auto found = programs_.find(key); found != programs_.end()) return &found->second;
@@ -182,7 +185,10 @@ Result<const Program*> ObjectBatch::program(const PrimitiveRow& row, const Objec
        ""});
   if (options_.texture_space && (row.flat || (round && !options_.rectangle))) defines.push_back({"IN_PLANE", ""});
   if (view.channels) defines.push_back({"CHANNELS", ""});
-  if (!view.channels) add_shadows(defines, shadow_kinds_);
+  if (!view.channels) {
+    add_materials(defines, kind.materials);
+    add_shadows(defines, shadow_kinds_);
+  }
   auto made = Program::graphics("object.vert", "object.frag", defines);
   if (!made) return made.error();
   return &programs_.emplace(key, std::move(*made)).first->second;
@@ -230,7 +236,7 @@ Status ObjectBatch::draw(const ObjectView& view) {
     samples[i] -= glm::vec2(0.5f);
   }
   for (const Kind& kind : kinds_) {
-    const auto with = program(primitive_row(kind.kind), view);
+    const auto with = program(kind, view);
     if (!with) return with.error();
     if (view.samples > 1) glProgramUniform2fv((*with)->id(), 3, view.samples, &samples[0].x);
     draw_kind(kind, view, **with);

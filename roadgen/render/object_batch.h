@@ -33,6 +33,7 @@ class ObjectBatch {
  private:
   struct Kind {
     PrimitiveKind kind;
+    unsigned materials = 0;  // MATERIALS of shaders/object_light.glsl
     std::vector<ObjectGroup> groups;
     gl::Buffer instances, order, corners, elements;
     gl::VertexArray vertex_array;
@@ -40,7 +41,7 @@ class ObjectBatch {
     std::size_t count = 0;
   };
   Status add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members);
-  Result<const Program*> program(const PrimitiveRow& row, const ObjectView& view);
+  Result<const Program*> program(const Kind& kind, const ObjectView& view);
   void draw_kind(const Kind& kind, const ObjectView& view, const Program& program);
 
   ObjectOptions options_;

@@ -1,11 +1,12 @@
 // Internal, not installed: which of many small spheres can be seen at all, found on the CPU before anything is drawn.
 //
-// The picture is cut into cells of kCell_px pixels. A cell that one sphere covers as a whole remembers how far away the
-// front of that sphere is at most; a sphere that is farther than that in all the cells that it touches is hidden. Spheres
-// come near ones first, group by group. Conservative: what is seen anywhere is never left out.
+// A pixel knows how far away, at most, the nearest surface is that covers all its samples; a sphere that is farther than
+// that in all pixels whose samples it may cover is hidden. Spheres come near ones first, group by group; what later ones
+// of a group hide is found at the end. Conservative: what is seen anywhere is never left out.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/mat3x3.hpp>
@@ -18,39 +19,63 @@ namespace roadgen {
 
 class Occlusion {
  public:
-  static constexpr int kCell_px = 1;
-  // Spheres and groups that touch more cells than this count as seen.
-  static constexpr int kMostCells = 4096;
+  // Spheres and groups that touch more pixels than this count as seen.
+  static constexpr int kMostPixels = 4096;
+  // Sides of the tiles that touched() tells of, pixels.
+  static constexpr int kTile_px = 8;
 
-  // Begins a frame. Requires: a camera that check_camera passes. Cost: O(cells).
-  void begin(const Camera& camera, int width, int height);
+  // Of a ball on the screen, in pixels from the middle of the first one: its centre's image, radii of circles around that
+  // which it lies within and which it covers; depths of its front and back, and the greatest at which it is touched from
+  // the eye. All but the depths mean nothing where front <= the near plane.
+  struct Image {
+    float x, y, outside, inside, front, back, farthest;
+  };
+  struct Seen {
+    std::uint32_t index;
+    bool near;  // sphere_is_near of shaders/spheres.glsl, or about to be
+    Image image;
+  };
+  // Tiles from x_from to x_to, inclusive, of a row.
+  struct Run {
+    std::uint16_t x_from, x_to, y, none = 0;
+  };
+
+  // Begins a frame. reach_px: how far from the pixel's centre its samples lie at most, across or up: 0 where the centre is
+  // the only one. Requires: a camera that check_camera passes. Cost: O(pixels).
+  void begin(const Camera& camera, int width, int height, float reach_px);
   // Whether a ball may be seen, for the balls that were added before. Center: in the axes of the view (right, up,
-  // forward), from the eye. Cost: O(cells that it touches).
+  // forward), from the eye. Cost: O(pixels that it touches).
   bool may_see(glm::vec3 center, float radius) const;
-  // Appends the indices of the spheres (centre from `origin`, radius) that may be seen, first + i, and hides what is
-  // behind them from later ones. view: rows right, up, forward times a position; origin: in those axes, from the eye.
-  void add(const glm::vec4* spheres, std::uint32_t first, std::uint32_t count, const glm::mat3& view, glm::vec3 origin,
-           std::vector<std::uint32_t>& seen);
+  // Adds the spheres (centre from `origin`, radius) that may be seen, first + i, and hides what is behind them from later
+  // ones. view: rows right, up, forward times a position; origin: in those axes, from the eye; extent: no centre
+  // is farther from the origin.
+  void add(std::span<const glm::vec4> spheres, std::uint32_t first, const glm::mat3& view, glm::vec3 origin,
+           float extent);
+  // Those that may be seen of what was added since the last call, in its order, and the tiles that they touch.
+  // Valid until the next call of add or finish.
+  std::span<const Seen> finish();
+  std::vector<Run> touched() const;
+  static std::vector<Run> all_tiles(int width, int height);
 
  private:
-  // Of a ball on the screen: centre and half extents, in cells; depths of its front and
-  // back. The others mean nothing where front <= near_m_.
-  struct Image {
-    float x, y, dx, dy, front, back;
-  };
   struct Rect {
-    int x0, x1, y0, y1;  // cells, inclusive; empty where x0 > x1
+    int x0, x1, y0, y1;  // pixels, inclusive; empty where x0 > x1
     bool whole;          // within the picture, or nothing to say: count as seen
   };
-  Image image(glm::vec3 center, float radius) const;
+  // slack: what the centre may be off by.
+  Image image(glm::vec3 center, float radius, float slack) const;
   Rect rect(const Image& i) const;
-  bool hidden(const Rect& r, float nearest) const;
-  void cover(glm::vec3 center, float radius, const Image& i, const Rect& box);
+  // Whether all samples that it may cover have something nearer.
+  bool hidden(const Image& i, const Rect& r) const;
+  void cover(const Image& i, const Rect& box);
+  void touch(const Rect& r);
 
-  int columns_ = 0, rows_ = 0;
-  float half_width_ = 0, half_height_ = 0, scale_ = 0;  // cells; cells a unit at distance 1
-  float near_m_ = 0;
-  std::vector<float> depth_m_;  // of each cell: nothing farther than this is seen
+  int columns_ = 0, rows_ = 0, tile_columns_ = 0;
+  float half_width_ = 0, half_height_ = 0, scale_ = 0;  // pixels; pixels a unit at distance 1
+  float near_m_ = 0, reach_ = 0;
+  std::vector<float> depth_m_;  // of each pixel: nothing farther than this is seen
+  std::vector<std::uint8_t> tiles_;
+  std::vector<Seen> seen_, left_;
 };
 
 }  // namespace roadgen

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -137,10 +138,10 @@ struct Renderer::State {
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
-  // least_contribution and ground_error_pixels: as in RendererOptions.
+  // least_contribution and ground_error_pixels: as in RendererOptions; waits: for all ground to be read.
   Status draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
-                    double least_contribution, double ground_error_pixels);
-  Status draw_picture(const Camera& camera, int width, int height, int samples);
+                    double least_contribution, double ground_error_pixels, bool waits);
+  Status draw_picture(const Camera& camera, int width, int height, int samples, bool waits);
   void show_ground_to_roads();
   Status light_objects(glm::dvec3 eye_m);
   Status draw_channels(const Camera& camera, int width, int height);
@@ -168,7 +169,7 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
 }
 
 Status Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
-                                   double least_contribution, double ground_error_pixels) {
+                                   double least_contribution, double ground_error_pixels, bool waits) {
   upload_frame(camera, width, height);
   if (&programs == &picture) {
     if (Status s = light_objects(camera.position_m); !s) return s;
@@ -181,14 +182,25 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   glDisable(GL_CULL_FACE);
 
   const Frustum frustum(camera, static_cast<double>(width) / height);
-  const auto may_see = [&](glm::dvec3 center, double radius) { return frustum.may_see(center, radius); };
+  const std::function<bool(glm::dvec3, double)> may_see = [&](glm::dvec3 center, double radius) {
+    return frustum.may_see(center, radius);
+  };
   const double pixel = 2 * std::tan(camera.fov_deg * std::numbers::pi / 360) / height;
-  ground_textures.bind();
-  ground.draw(programs.ground, programs.ground_at_tunnels, camera.position_m, ground_error_pixels * pixel, may_see);
-  if (&programs == &picture) show_ground_to_roads();
-  // Objects hide what is behind them, sample by sample; what is drawn after them fades over them.
+  // Ground and objects hide what is behind them, sample by sample; what is drawn after them fades over them.
   const bool blended = glIsEnabled(GL_BLEND);
   glDisable(GL_BLEND);
+  ground_textures.bind();
+  // At the picture's corners what is on the near plane is farther away.
+  const double side = 0.5 * pixel * width, top = 0.5 * pixel * height;
+  const GroundView ground_view = {.eye_m = camera.position_m,
+                                  .part = ground_error_pixels * pixel,
+                                  .waits = waits,
+                                  .leaves_out_hidden = options.cull,
+                                  .pixel_rad = pixel,
+                                  .nearest_drawn_m = camera.near_m * std::sqrt(1 + side * side + top * top),
+                                  .may_see = may_see};
+  if (Status s = ground.draw(programs.ground, programs.ground_at_tunnels, ground_view); !s) return s;
+  if (&programs == &picture) show_ground_to_roads();
   const RenderTarget& target = &programs == &data ? channels : drawn;
   const ObjectView view = {
       camera, width, height, samples, &programs == &data, first_object, target.framebuffer(), target.depth()};
@@ -245,7 +257,7 @@ void Renderer::State::show_ground_to_roads() {
   for (const Program& program : picture.roads) glProgramUniform1i(program.id(), 0, samples);
 }
 
-Status Renderer::State::draw_picture(const Camera& camera, int width, int height, int samples) {
+Status Renderer::State::draw_picture(const Camera& camera, int width, int height, int samples, bool waits) {
   if (Status s = ensure(drawn, width, height, samples, {GL_SRGB8_ALPHA8}, GL_DEPTH_COMPONENT32F); !s) return s;
   if (Status s = ensure(resolved, width, height, 1, {GL_SRGB8_ALPHA8}, 0); !s) return s;
   if (Status s = ensure(ground_depth, width, height, samples, {}, GL_DEPTH_COMPONENT32F); !s) return s;
@@ -257,8 +269,8 @@ Status Renderer::State::draw_picture(const Camera& camera, int width, int height
   // The road's edge fades over the ground drawn before it.
   glEnable(GL_BLEND);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  if (Status s =
-          draw_scene(picture, camera, width, height, samples, options.least_contribution, options.ground_error_pixels);
+  if (Status s = draw_scene(picture, camera, width, height, samples, options.least_contribution,
+                            options.ground_error_pixels, waits);
       !s) {
     return s;
   }
@@ -279,7 +291,7 @@ Status Renderer::State::draw_channels(const Camera& camera, int width, int heigh
   glClearBufferfv(GL_COLOR, 1, none);
   glClearBufferfv(GL_COLOR, 2, none);
   glClearBufferfv(GL_DEPTH, 0, none);
-  return draw_scene(data, camera, width, height, 1, 0, 0);
+  return draw_scene(data, camera, width, height, 1, 0, 0, true);
 }
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -294,6 +306,10 @@ Result<Renderer> Renderer::create(Context& context, const RendererOptions& optio
   if (options.gpu_budget_bytes < kPageBytes) {
     return Error{ErrorCode::kUsage,
                  "the GPU memory for roads must be at least " + std::to_string(kPageBytes) + " bytes"};
+  }
+  if (options.ground_budget_bytes < kLeastGroundBytes) {
+    return Error{ErrorCode::kUsage,
+                 "the memory for the ground must be at least " + std::to_string(kLeastGroundBytes) + " bytes"};
   }
   if (!(options.least_contribution >= 0 && options.least_contribution <= 1)) {
     return Error{ErrorCode::kUsage, "the least contribution must lie in [0, 1]"};
@@ -350,13 +366,17 @@ Status Renderer::load_roads(const Network& network) {
 RoadStatistics Renderer::road_statistics() const { return state_->roads.statistics(); }
 
 Status Renderer::load_ground(std::span<const TerrainMesh> tiles) {
+  return load_ground(ground_in_memory(std::make_shared<const std::vector<TerrainMesh>>(tiles.begin(), tiles.end())));
+}
+
+Status Renderer::load_ground(std::shared_ptr<const GroundSource> ground) {
   if (Status s = state_->context.make_current(); !s) return s;
-  state_->ground.upload(tiles);
+  state_->ground = GroundBatch(std::move(ground), state_->options.ground_budget_bytes);
   return Done{};
 }
 
 Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& options) {
-  if (options.polygon < 3 || options.polygon > 32) {
+  if (options.polygon != 0 && (options.polygon < 3 || options.polygon > 32)) {
     return Error{ErrorCode::kUsage, "the polygons around objects must have 3 to 32 corners"};
   }
   for (const Diagnostic& fault : check(scene, 1)) {
@@ -415,7 +435,8 @@ Result<Frame> Renderer::render(const Camera& camera, const FrameOptions& options
   if (Status s = state.context.make_current(); !s) return s.error();
   Frame frame;
   if (options.channels & kColor) {
-    if (Status s = state.draw_picture(camera, options.width, options.height, options.samples); !s) return s.error();
+    if (Status s = state.draw_picture(camera, options.width, options.height, options.samples, true); !s)
+      return s.error();
     frame.color = state.resolved.read_rgba8();
   }
   if ((options.channels & ~kColor) == 0) return frame;
@@ -440,7 +461,7 @@ Result<Frame> Renderer::render(const Camera& camera, const FrameOptions& options
 Status Renderer::draw(const Camera& camera, int width, int height, int samples, unsigned target) {
   if (Status s = check_request(camera, width, height); !s) return s;
   if (Status s = state_->context.make_current(); !s) return s;
-  if (Status s = state_->draw_picture(camera, width, height, samples); !s) return s;
+  if (Status s = state_->draw_picture(camera, width, height, samples, false); !s) return s;
   glBlitNamedFramebuffer(state_->resolved.framebuffer(), target, 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
   return Done{};

@@ -20,6 +20,7 @@
 #include "roadgen/render/road_instance.h"
 #include "roadgen/road/network.h"
 #include "terrain/detail.h"
+#include "terrain/ground_source.h"
 #include "terrain/terrain.h"
 
 namespace roadgen {
@@ -78,17 +79,21 @@ struct RendererOptions {
   // within that, never so that one comes through a road (terrain/detail.h). Data channels show all of it, so that depth
   // and contact agree. 0: the picture too. >= 0. Default: half a pixel
   double ground_error_pixels = 0.5;
-  // False: what lies outside of the view is drawn too, for comparison.
+  // Of the ground's vertices and indices on the GPU, and of what is held of a ground that lies in a file. Where one frame
+  // needs more, it is drawn in batches. Default: 256 MiB, 5 million triangles. At least 64 KiB
+  std::size_t ground_budget_bytes = std::size_t{256} << 20;
+  // False: roads outside of the view and ground behind nearer ground are drawn too, for comparison.
   bool cull = true;
 };
 
 // How objects are drawn; what is seen is the same.
 struct ObjectOptions {
   // Spheres and ellipsoids by the rectangle on the screen that they touch; else by a polygon around the circle in which
-  // the eye sees them. Default: the rectangle has the fewest corners and is drawn fastest, see README, speed
-  bool rectangle = true;
-  // Corners of that polygon, and of those around discs and the ends of cylinders. In [3, 32].
-  int polygon = 8;
+  // the eye sees them, which wastes fewer pixels.
+  bool rectangle = false;
+  // Corners of that polygon, and of those around discs and the ends of cylinders: 3 to 32; or 0: 8, and for spheres of
+  // sets, which cost little a pixel, by their size on the screen: 3, 4 or 8. See README, objects.
+  int polygon = 0;
   // Acceptance where the rasterizer interpolates the plane of a flat shape, or the circle of a sphere (the paper's texture
   // space), in place of the ray's own place in 3D.
   bool texture_space = false;
@@ -128,6 +133,9 @@ class Renderer {
   // where the context cannot be made current.
   Status load_roads(const Network& network);
   Status load_ground(std::span<const TerrainMesh> tiles);
+  // The same without a copy, as Terrain::ground() gives it; it is read as it is seen. Errors: kContext; later, where a frame
+  // is drawn, the source's.
+  Status load_ground(std::shared_ptr<const GroundSource> ground);
   // Replaces the objects; on an error they are as they were. Cost: O(n log n), n objects and spheres.
   // Errors: kData with the object, for the first that check() finds or where the GPU has no room; kUsage: an option out of
   // its range; kShader.
@@ -145,9 +153,10 @@ class Renderer {
   RoadStatistics road_statistics() const;
   GroundStatistics ground_statistics() const;
 
-  // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
+  // Draws and reads back; waits for all ground that the picture shows. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
   Result<Frame> render(const Camera& camera, const FrameOptions& options);
-  // Draws into the framebuffer object `target` of the current context; 0 is a window's own. No read-back.
+  // Draws into the framebuffer object `target` of the current context; 0 is a window's own. No read-back, and no waiting:
+  // ground that still has to be read from a file is drawn coarser, without holes and never above a road.
   // Errors: as render.
   Status draw(const Camera& camera, int width, int height, int samples, unsigned target = 0);
 

@@ -60,8 +60,7 @@ RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
   }
   const std::size_t slot_count = std::min<std::size_t>(page_count, budget_bytes / kPageBytes);
   assert(page_count == 0 || slot_count > 0);
-  slot_of_page_.resize(page_count);
-  for (std::uint32_t i = 0; i < slot_count; ++i) slots_.push_back({i, kNoPage, 0});
+  pages_ = PagePool(page_count, static_cast<std::uint32_t>(slot_count));
   Table origins;
   for (const RoadTile& tile : scene_.tiles) {
     const SplitPosition origin = split(tile.origin_m);
@@ -131,25 +130,22 @@ void RoadTiles::add(std::span<const RoadInstance> data, std::uint32_t first_page
 }
 
 std::uint32_t RoadTiles::place(std::uint32_t page, std::span<const RoadInstance> data) {
-  auto& known = slot_of_page_[page];
-  if (!known) {
+  std::optional<PagePool::Placed> at = pages_.place(page);
+  if (!at) {
     // The batch's own pages fill the pool: draw them first. What is written after a draw does not change it.
-    if (slots_.front().batch == batch_) flush();
-    Slot& slot = slots_.front();
-    if (slot.page != kNoPage) slot_of_page_[slot.page].reset();
-    slot.page = page;
-    glNamedBufferSubData(pool_.id(), static_cast<GLintptr>(slot.index * kPageBytes),
+    flush();
+    at = pages_.place(page);
+  }
+  if (at->is_new) {
+    glNamedBufferSubData(pool_.id(), static_cast<GLintptr>(at->slot * kPageBytes),
                          static_cast<GLsizeiptr>(data.size_bytes()), data.data());
     statistics_.uploaded_bytes += data.size_bytes();
-    known = slots_.begin();
   }
-  (*known)->batch = batch_;
-  slots_.splice(slots_.end(), slots_, *known);
-  return (*known)->index;
+  return at->slot;
 }
 
 void RoadTiles::flush() {
-  ++batch_;
+  pages_.begin_batch();
   if (pending_.empty()) return;
   // A new store each time: the one before may still be read.
   glNamedBufferData(commands_.id(), static_cast<GLsizeiptr>(pending_.size() * sizeof pending_[0]), pending_.data(),

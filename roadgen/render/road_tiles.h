@@ -9,12 +9,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <list>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "roadgen/render/box_strip.h"
+#include "roadgen/render/page_pool.h"
 #include "roadgen/render/program.h"
 #include "roadgen/render/road_instance.h"
 #include "roadgen/render/tile_index.h"
@@ -41,12 +40,6 @@ class RoadTiles {
   struct DrawCommand {
     std::uint32_t elements, instances, first_element, first_vertex, first_instance;
   };
-  static constexpr std::uint32_t kNoPage = ~0u;
-  struct Slot {
-    std::uint32_t index;  // of the page's place in the pool
-    std::uint32_t page;
-    std::uint64_t batch;  // the last one that draws from it
-  };
   // Gathers the draws of data[first], ..., data[first + count - 1]; first_page: of data[0].
   void add(std::span<const RoadInstance> data, std::uint32_t first_page, std::uint32_t first, std::uint32_t count,
            ElementRange strip);
@@ -61,9 +54,7 @@ class RoadTiles {
   gl::Buffer pool_, elements_, commands_, tiles_, sections_, paint_;
   gl::Texture section_texels_;
   std::array<std::uint32_t, kRoadKinds> first_page_{};  // of each kind's instances
-  std::list<Slot> slots_;                               // least recently used first
-  std::vector<std::optional<std::list<Slot>::iterator>> slot_of_page_;
-  std::uint64_t batch_ = 1;
+  PagePool pages_;
   std::vector<DrawCommand> pending_;
   std::vector<std::uint32_t> visible_;
   RoadStatistics statistics_;

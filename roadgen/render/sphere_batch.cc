@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -12,6 +13,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 
+#include "roadgen/render/object_materials.h"
 #include "roadgen/render/object_proxy.h"
 #include "roadgen/render/sun_grid.h"
 
@@ -22,6 +24,9 @@ namespace {
 constexpr GLuint kIndexUnit = 4;
 // Spheres of one draw: their vertices are counted by 16 bits, with up to 32 corners.
 constexpr std::uint32_t kDrawSpheres = 2048;
+// Up to these radii on the screen, in pixels, spheres are drawn by triangles and by squares: what setting up more
+// triangles costs is more than the pixels that they spare.
+constexpr double kTriangle_px = 5, kSquare_px = 24;
 
 template <class T>
 gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
@@ -37,18 +42,17 @@ Status SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instanc
   shadow_kinds_ = shadow_kinds;
   for (const SphereSet& set : scene.sphere_sets) {
     if (!set.items.empty()) {
-      if (Status s = add(set, first_instance); !s) return s;
+      if (Status s = add(scene, set, first_instance); !s) return s;
     }
     first_instance += static_cast<std::uint32_t>(set.items.size());
   }
   if (sets_.empty()) return Done{};
-  elements_ = buffer_of(polygon_elements(corners(), kDrawSpheres));
+  for (std::size_t i : {0, 1}) elements_[i] = buffer_of(polygon_elements(i == 0 ? 4 : corners_of(2), kDrawSpheres));
   array_ = gl::VertexArray::create();
-  glVertexArrayElementBuffer(array_.id(), elements_.id());
   return Done{};
 }
 
-Status SphereBatch::add(const SphereSet& set, std::uint32_t first_instance) {
+Status SphereBatch::add(const ObjectScene& scene, const SphereSet& set, std::uint32_t first_instance) {
   GLint most = 0;
   glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   if (set.items.size() * sizeof(glm::vec4) > static_cast<std::size_t>(most)) {
@@ -72,6 +76,8 @@ Status SphereBatch::add(const SphereSet& set, std::uint32_t first_instance) {
     colors.emplace_back(std::bit_cast<std::uint32_t>(item.color), i);
     sorted.push_back(set.origin_m + centers[i]);
     radii.push_back(item.radius);
+    made.largest_m = std::max(made.largest_m, radii.back());
+    made.extent_m = std::max(made.extent_m, glm::length(centers[i]));
   }
   made.groups = groups_of(sorted, radii);
   made.spheres = buffer_of(made.data);
@@ -81,37 +87,53 @@ Status SphereBatch::add(const SphereSet& set, std::uint32_t first_instance) {
   made.origin_m = set.origin_m;
   made.first_instance = first_instance;
   made.material = set.material;
+  made.parts = material_parts(scene, set.material);
   spheres_ += made.data.size();
   sets_.push_back(std::move(made));
   return Done{};
 }
 
-Result<SphereBatch::Programs*> SphereBatch::programs(const ObjectView& view) {
-  for (Programs& made : programs_) {
-    if (made.channels == view.channels && made.samples == view.samples) return &made;
+Result<const SphereBatch::IndexPrograms*> SphereBatch::index_programs(int samples) {
+  for (const IndexPrograms& made : index_programs_) {
+    if (made.samples == samples) return &made;
   }
-  ShaderDefines defines = {{"SAMPLES", std::to_string(view.samples)}, {"CORNERS", std::to_string(corners())}};
-  if (options_.rectangle) defines.push_back({"PROXY_RECTANGLE", ""});
-  if (options_.texture_space && !options_.rectangle) defines.push_back({"IN_PLANE", ""});
-  const auto index_program = [&] {
-    auto made = Program::graphics("spheres.vert", "spheres.frag", defines);
-    if (!made || options_.rectangle) return made;
-    const std::vector<glm::vec3> around = proxy_mesh(Proxy::kRound, corners()).corners;
-    for (GLint i = 0; i < corners(); ++i) glProgramUniform2f(made->id(), 3 + i, around[i].x, around[i].y);
-    return made;
+  IndexPrograms made{samples, {}, {}, {}};
+  const auto compile = [&](Program& program, const char* define) -> Status {
+    ShaderDefines defines = {{"SAMPLES", std::to_string(samples)}, {define, ""}};
+    if (options_.texture_space) defines.push_back({"IN_PLANE", ""});
+    auto compiled = Program::graphics("spheres.vert", "spheres.frag", defines);
+    if (!compiled) return compiled.error();
+    program = std::move(*compiled);
+    return Done{};
   };
-  auto index = index_program();
-  if (!index) return index.error();
-  defines.push_back({"NEAR", ""});
-  auto index_near = index_program();
-  if (!index_near) return index_near.error();
-  defines.pop_back();
-  if (view.channels) defines.push_back({"CHANNELS", ""});
-  if (!view.channels) add_shadows(defines, shadow_kinds_);
-  auto light = Program::graphics("sky.vert", "spheres_light.frag", defines);
-  if (!light) return light.error();
-  programs_.push_back({view.channels, view.samples, std::move(*index), std::move(*index_near), std::move(*light)});
-  return &programs_.back();
+  if (Status s = compile(made.far, "FAR"); !s) return s.error();
+  if (Status s = compile(made.near, "NEAR"); !s) return s.error();
+  if (options_.rectangle) {
+    if (Status s = compile(made.rectangle, "PROXY_RECTANGLE"); !s) return s.error();
+  }
+  index_programs_.push_back(std::move(made));
+  return &index_programs_.back();
+}
+
+Result<const Program*> SphereBatch::light_program(const ObjectView& view, unsigned parts, bool near) {
+  for (const LightProgram& made : light_programs_) {
+    if (made.channels == view.channels && made.samples == view.samples && made.near == near &&
+        (made.channels || made.parts == parts)) {
+      return &made.program;
+    }
+  }
+  ShaderDefines defines = {{"SAMPLES", std::to_string(view.samples)}};
+  if (near) defines.push_back({"NEAR", ""});
+  if (view.channels) {
+    defines.push_back({"CHANNELS", ""});
+  } else {
+    add_materials(defines, parts);
+    add_shadows(defines, shadow_kinds_);
+  }
+  auto made = Program::graphics("spheres_light.vert", "spheres_light.frag", defines);
+  if (!made) return made.error();
+  light_programs_.push_back({view.channels, view.samples, parts, near, std::move(*made)});
+  return &light_programs_.back().program;
 }
 
 Status SphereBatch::ensure_target(const ObjectView& view) {
@@ -128,71 +150,113 @@ Status SphereBatch::ensure_target(const ObjectView& view) {
   target_ = gl::Framebuffer::create();
   glNamedFramebufferTexture(target_.id(), GL_COLOR_ATTACHMENT0, indices_.id(), 0);
   glNamedFramebufferTexture(target_.id(), GL_DEPTH_ATTACHMENT, depth_, 0);
+  // At most one run a tile.
+  const auto tiles = [](int pixels) { return (pixels + Occlusion::kTile_px - 1) / Occlusion::kTile_px; };
+  runs_buffer_ = gl::Buffer::with_data(
+      static_cast<GLsizeiptr>(tiles(width_)) * tiles(height_) * static_cast<GLsizeiptr>(sizeof(Occlusion::Run)),
+      nullptr, GL_DYNAMIC_STORAGE_BIT);
   if (glCheckNamedFramebufferStatus(target_.id(), GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) return Done{};
   target_ = {};
   return Error{ErrorCode::kContext, "this driver cannot draw the indices of spheres with that many samples"};
 }
 
-std::size_t SphereBatch::choose(const Set& set, const ObjectView& view) {
-  seen_.clear();
+void SphereBatch::choose(const Set& set, const ObjectView& view) {
   const ViewAxes axes = view_axes(view.camera);
   const glm::dmat3 in_view = glm::transpose(glm::dmat3(axes.right, axes.up, axes.forward));
   const glm::dvec3 eye = view.camera.position_m;
   const glm::mat3 rows(in_view);
   const glm::vec3 origin = in_view * (set.origin_m - eye);
-  std::vector<std::uint32_t> near;
   for (const ObjectGroup* group : visible_groups(set.groups, view)) {
     const glm::vec3 center = in_view * (group->center_m - eye);
-    const auto before = static_cast<std::ptrdiff_t>(seen_.size());
-    if (!options_.occlusion) {
-      for (std::uint32_t i = 0; i < group->count; ++i) seen_.push_back(group->first + i);
-    } else if (occlusion_.may_see(center, static_cast<float>(group->radius_m))) {
-      occlusion_.add(set.data.data(), group->first, group->count, rows, origin, seen_);
-    }
-    // A sphere is near within 3 radii of it, or where its centre's depth is at most its radius.
-    const auto radius = static_cast<float>(group->radius_m);
-    if (glm::length(center) > 4 * radius && center.z > 2 * radius) continue;
-    const auto is_near = [&](std::uint32_t i) {
-      const glm::vec4& sphere = set.data[i];
-      const glm::vec3 c = origin + rows * glm::vec3(sphere);
-      return glm::dot(c, c) <= 9 * sphere.w * sphere.w || c.z <= sphere.w;
-    };
-    const auto end =
-        std::stable_partition(seen_.begin() + before, seen_.end(), [&](std::uint32_t i) { return !is_near(i); });
-    near.insert(near.end(), end, seen_.end());
-    seen_.erase(end, seen_.end());
+    if (!occlusion_.may_see(center, static_cast<float>(group->radius_m))) continue;
+    occlusion_.add(std::span(set.data).subspan(group->first, group->count), group->first, rows, origin,
+                   static_cast<float>(set.extent_m));
   }
-  const std::size_t far = seen_.size();
-  seen_.insert(seen_.end(), near.begin(), near.end());
-  return far;
+  for (const Occlusion::Seen& sphere : occlusion_.finish()) {
+    list_of(static_cast<double>(sphere.image.outside), sphere.near).push_back(sphere.index);
+  }
+  runs_ = occlusion_.touched();
 }
 
-// Of seen_. The same elements serve all draws: each begins where the one before ended.
-void SphereBatch::draw_indices(const Program& program, std::size_t first, std::size_t count) const {
+// All of the groups that may be seen; whether spheres are small and near by what the group can hold.
+void SphereBatch::choose_all(const Set& set, const ObjectView& view) {
+  const ViewAxes axes = view_axes(view.camera);
+  const glm::dvec3 eye = view.camera.position_m;
+  const double pixel = 2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360) / view.height;
+  for (const ObjectGroup* group : visible_groups(set.groups, view)) {
+    const glm::dvec3 center = group->center_m - eye;
+    const bool far = glm::length(center) > 4 * group->radius_m &&
+                     glm::dot(axes.forward, center) > 2 * (group->radius_m + view.camera.near_m);
+    const double front = glm::dot(axes.forward, center) - group->radius_m;
+    const double radius_px = far ? set.largest_m / (pixel * (front - set.largest_m)) : kSquare_px + 1;
+    for (std::uint32_t i = group->first; i < group->first + group->count; ++i) {
+      const glm::vec4& sphere = set.data[i];
+      const glm::dvec3 c = set.origin_m - eye + glm::dvec3(sphere);
+      const auto radius = static_cast<double>(sphere.w);
+      const bool near = !far && (glm::dot(c, c) <= 9 * radius * radius ||
+                                 glm::dot(axes.forward, c) <= 1.001 * (radius + view.camera.near_m));
+      list_of(radius_px, near).push_back(i);
+    }
+  }
+  runs_ = Occlusion::all_tiles(view.width, view.height);
+}
+
+std::vector<std::uint32_t>& SphereBatch::list_of(double radius_px, bool near) {
+  if (near) return lists_[3];
+  if (options_.rectangle || options_.polygon != 0 || !(radius_px <= kSquare_px)) return lists_[2];
+  return lists_[radius_px <= kTriangle_px ? 0 : 1];
+}
+
+int SphereBatch::corners_of(std::size_t list) const {
+  if (list < 2) return list == 0 ? 3 : 4;
+  return options_.rectangle ? 4 : options_.polygon == 0 ? 8 : options_.polygon;
+}
+
+// The same elements serve all draws: each begins where the one before ended.
+void SphereBatch::draw_indices(const Program& program, int corners, std::size_t first, std::size_t count) const {
   if (count == 0) return;
   program.use();
   glUniform1ui(1, static_cast<GLuint>(first));
+  if (program.has_uniform("corners[0]")) {
+    glUniform1i(2, corners);
+    const std::vector<glm::vec3> around = proxy_mesh(Proxy::kRound, corners).corners;
+    for (std::size_t i = 0; i < around.size(); ++i) glUniform2f(3 + static_cast<GLint>(i), around[i].x, around[i].y);
+  }
+  if (corners == 3) {
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * count));
+    return;
+  }
+  glVertexArrayElementBuffer(array_.id(), elements_[corners == 4 ? 0 : 1].id());
   std::vector<GLsizei> counts;
   std::vector<GLint> firsts;
   for (std::size_t at = 0; at < count; at += kDrawSpheres) {
-    counts.push_back(static_cast<GLsizei>(std::min<std::size_t>(kDrawSpheres, count - at)) * 3 * (corners() - 2));
-    firsts.push_back(static_cast<GLint>(at) * corners());
+    const std::size_t spheres = std::min<std::size_t>(kDrawSpheres, count - at);
+    counts.push_back(static_cast<GLsizei>(spheres) * 3 * (corners - 2));
+    firsts.push_back(static_cast<GLint>(at) * corners);
   }
   const std::vector<const void*> offsets(counts.size(), nullptr);
   glMultiDrawElementsBaseVertex(GL_TRIANGLES, counts.data(), GL_UNSIGNED_SHORT, offsets.data(),
                                 static_cast<GLsizei>(counts.size()), firsts.data());
 }
 
-void SphereBatch::draw_set(const Set& set, const ObjectView& view, const Programs& with) {
-  const std::size_t far = choose(set, view);
-  if (seen_.empty()) return;
-  drawn_ += seen_.size();
-  glNamedBufferSubData(set.order.id(), 0, static_cast<GLsizeiptr>(seen_.size() * sizeof seen_[0]), seen_.data());
+Status SphereBatch::draw_set(const Set& set, const ObjectView& view, const IndexPrograms& index,
+                             std::span<const glm::vec2> sample_places) {
+  for (auto& list : lists_) list.clear();
+  options_.occlusion ? choose(set, view) : choose_all(set, view);
+  order_.clear();
+  for (const auto& list : lists_) order_.insert(order_.end(), list.begin(), list.end());
+  if (order_.empty()) return Done{};
+  drawn_ += order_.size();
+  const auto light = light_program(view, set.parts, !lists_[3].empty());
+  if (!light) return light.error();
+  glNamedBufferSubData(set.order.id(), 0, static_cast<GLsizeiptr>(order_.size() * sizeof order_[0]), order_.data());
   const ViewAxes axes = view_axes(view.camera);
   const glm::dvec3 origin = set.origin_m - view.camera.position_m;
-  for (const Program* program : {&with.index, &with.index_near, &with.light}) {
+  for (const Program* program : {&index.far, &index.near, &index.rectangle, *light}) {
+    if (program->id() == 0) continue;
     glProgramUniform3d(program->id(), 0, glm::dot(axes.right, origin), glm::dot(axes.up, origin),
                        glm::dot(axes.forward, origin));
+    if (view.samples > 1) glProgramUniform2fv(program->id(), 40, view.samples, &sample_places[0].x);
   }
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, set.spheres.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, set.colors.id());
@@ -202,36 +266,51 @@ void SphereBatch::draw_set(const Set& set, const ObjectView& view, const Program
   glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
   const GLuint none[4] = {0, 0, 0, 0};
   glClearBufferuiv(GL_COLOR, 0, none);
-  draw_indices(with.index, 0, far);
-  draw_indices(with.index_near, far, seen_.size() - far);
+  std::size_t first = 0;
+  for (std::size_t list = 0; list < lists_.size(); ++list) {
+    const Program& program = list == 3 ? index.near : options_.rectangle ? index.rectangle : index.far;
+    draw_indices(program, corners_of(list), first, lists_[list].size());
+    first += lists_[list].size();
+  }
+  light_tiles(set, view, **light);
+  return Done{};
+}
 
-  // The light. Depth is written by now.
+// Where nothing is drawn depth is 0, and the tiles are not in front of it.
+void SphereBatch::light_tiles(const Set& set, const ObjectView& view, const Program& light) const {
   glBindFramebuffer(GL_FRAMEBUFFER, view.framebuffer);
-  glDisable(GL_DEPTH_TEST);
-  with.light.use();
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_FALSE);
+  light.use();
   if (view.channels) {
     glUniform1ui(1, view.first_instance + set.first_instance);
   } else {
     glUniform1ui(2, set.material);
   }
+  glUniform2f(3, 2.0f * Occlusion::kTile_px / static_cast<float>(view.width),
+              2.0f * Occlusion::kTile_px / static_cast<float>(view.height));
   glBindTextureUnit(kIndexUnit, indices_.id());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glEnable(GL_DEPTH_TEST);
+  glNamedBufferSubData(runs_buffer_.id(), 0, static_cast<GLsizeiptr>(runs_.size() * sizeof runs_[0]), runs_.data());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, runs_buffer_.id());
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(6 * runs_.size()));
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_GREATER);
 }
 
 Status SphereBatch::draw(const ObjectView& view, std::span<const glm::vec2> sample_places) {
   drawn_ = 0;
   if (sets_.empty()) return Done{};
-  const auto with = programs(view);
-  if (!with) return with.error();
+  const auto index = index_programs(view.samples);
+  if (!index) return index.error();
   if (Status s = ensure_target(view); !s) return s;
-  if (view.samples > 1) {
-    for (const Program* program : {&(*with)->index, &(*with)->index_near, &(*with)->light}) {
-      glProgramUniform2fv(program->id(), 40, view.samples, &sample_places[0].x);
-    }
+  float reach_px = 0;
+  for (const glm::vec2& place : sample_places) {
+    if (view.samples > 1) reach_px = std::max({reach_px, std::abs(place.x), std::abs(place.y)});
   }
-  if (options_.occlusion) occlusion_.begin(view.camera, view.width, view.height);
-  for (const Set& set : sets_) draw_set(set, view, **with);
+  if (options_.occlusion) occlusion_.begin(view.camera, view.width, view.height, reach_px);
+  for (const Set& set : sets_) {
+    if (Status s = draw_set(set, view, **index, sample_places); !s) return s;
+  }
   return Done{};
 }
 

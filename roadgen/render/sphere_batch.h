@@ -4,6 +4,7 @@
 // spheres lie behind one another in every pixel.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -40,30 +41,49 @@ class SphereBatch {
     std::vector<glm::vec4> data;  // centre from the origin, radius
     gl::Buffer spheres, colors, order;
     glm::dvec3 origin_m;
+    double largest_m = 0, extent_m = 0;  // the largest radius; no centre is farther from the origin
     std::uint32_t first_instance, material;
+    unsigned parts;  // MATERIALS of shaders/object_light.glsl
   };
   // For one kind of frame.
-  struct Programs {
+  struct IndexPrograms {
+    int samples;
+    Program far, near, rectangle;
+  };
+  struct LightProgram {
     bool channels;
     int samples;
-    Program index, index_near, light;
+    unsigned parts;  // MATERIALS
+    bool near;       // some are near
+    Program program;
   };
-  int corners() const { return options_.rectangle ? 4 : options_.polygon; }
-  Status add(const SphereSet& set, std::uint32_t first_instance);
-  Result<Programs*> programs(const ObjectView& view);
+  Status add(const ObjectScene& scene, const SphereSet& set, std::uint32_t first_instance);
+  Result<const IndexPrograms*> index_programs(int samples);
+  Result<const Program*> light_program(const ObjectView& view, unsigned parts, bool near);
   Status ensure_target(const ObjectView& view);
-  // The spheres that may be seen, those last that are near (shaders/spheres.glsl); how many are not.
-  std::size_t choose(const Set& set, const ObjectView& view);
-  void draw_indices(const Program& program, std::size_t first, std::size_t count) const;
-  void draw_set(const Set& set, const ObjectView& view, const Programs& with);
+  // The spheres that may be seen into lists_, and the tiles of the screen that they touch into runs_. choose_all: all of
+  // the groups that may be seen, and the whole screen.
+  void choose(const Set& set, const ObjectView& view);
+  void choose_all(const Set& set, const ObjectView& view);
+  std::vector<std::uint32_t>& list_of(double radius_px, bool near);
+  void draw_indices(const Program& program, int corners, std::size_t first, std::size_t count) const;
+  int corners_of(std::size_t list) const;
+  Status draw_set(const Set& set, const ObjectView& view, const IndexPrograms& index,
+                  std::span<const glm::vec2> sample_places);
+  void light_tiles(const Set& set, const ObjectView& view, const Program& light) const;
 
   ObjectOptions options_;
   unsigned shadow_kinds_ = 0;
   std::vector<Set> sets_;
-  std::vector<Programs> programs_;
+  std::vector<IndexPrograms> index_programs_;
+  std::vector<LightProgram> light_programs_;
   Occlusion occlusion_;
-  std::vector<std::uint32_t> seen_;  // of the set that is drawn
-  gl::Buffer elements_;
+  // Of the set that is drawn, by the number of their polygon's corners; last the near ones.
+  std::array<std::vector<std::uint32_t>, 4> lists_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Occlusion::Run> runs_;
+  gl::Buffer runs_buffer_;
+  std::array<gl::Buffer, 2> elements_;  // of polygons with 4 corners, and with those of lists_[2]
   gl::VertexArray array_;
   gl::Texture indices_;
   gl::Framebuffer target_;

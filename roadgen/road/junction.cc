@@ -240,10 +240,14 @@ std::string arms_fault(const std::vector<JunctionArm>& arms) {
       return name_of(a) + ": the carriageway's edges must lie left and right of the reference line";
     }
   }
+  std::vector<glm::dvec2> left, right;  // ends of the cuts
+  for (const JunctionArm& a : arms) {
+    left.push_back(cut_point_m(a, a.left_m));
+    right.push_back(cut_point_m(a, a.right_m));
+  }
   for (std::size_t i = 0; i < arms.size(); ++i) {
     for (std::size_t j = i + 1; j < arms.size(); ++j) {
-      if (meet(cut_point_m(arms[i], arms[i].left_m), cut_point_m(arms[i], arms[i].right_m),
-               cut_point_m(arms[j], arms[j].left_m), cut_point_m(arms[j], arms[j].right_m))) {
+      if (meet(left[i], right[i], left[j], right[j])) {
         return "the ends of " + name_of(arms[i]) + " and " + name_of(arms[j]) + " overlap: shorten one of them";
       }
     }
@@ -290,10 +294,13 @@ std::string outline_fault(const Junction& junction) {
   const std::size_t n = o.points.size();
   o.points.push_back(o.points.front());
   const std::vector<glm::dvec2>& point = o.points;
-  // An edge is tested against the edges of those runs of them whose box it touches.
+  // Runs of edges first, by their boxes; then an edge against those of a run whose box it touches.
   constexpr std::size_t kRun = 8;
   struct Box {
     glm::dvec2 low{1e300, 1e300}, high{-1e300, -1e300};
+    bool touches(const Box& other) const {
+      return low.x <= other.high.x && low.y <= other.high.y && high.x >= other.low.x && high.y >= other.low.y;
+    }
   };
   std::vector<Box> boxes((n + kRun - 1) / kRun);
   for (std::size_t i = 0; i < n; ++i) {
@@ -301,18 +308,24 @@ std::string outline_fault(const Junction& junction) {
     box.low = glm::min(box.low, glm::min(point[i], point[i + 1]));
     box.high = glm::max(box.high, glm::max(point[i], point[i + 1]));
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    const glm::dvec2 low = glm::min(point[i], point[i + 1]), high = glm::max(point[i], point[i + 1]);
-    for (std::size_t run = (i + 2) / kRun; run < boxes.size(); ++run) {
-      const Box& box = boxes[run];
-      if (low.x > box.high.x || low.y > box.high.y || high.x < box.low.x || high.y < box.low.y) continue;
-      for (std::size_t j = std::max(i + 2, run * kRun); j < std::min(n, (run + 1) * kRun); ++j) {
-        if (i == 0 && j == n - 1) continue;  // neighbours
-        if (!meet(point[i], point[i + 1], point[j], point[j + 1])) continue;
-        const JunctionArm &a = junction.arms[o.owner[i]], &b = junction.arms[o.owner[j]];
-        return explained(junction.arms, "the area's edges cross at " + name_of(a) +
-                                            (&a == &b ? "" : " and " + name_of(b)) +
-                                            ": move the ends apart or turn them toward one another");
+  const auto fault_between = [&](std::size_t i, std::size_t run) -> std::string {
+    const Box edge{glm::min(point[i], point[i + 1]), glm::max(point[i], point[i + 1])};
+    if (!edge.touches(boxes[run])) return {};
+    for (std::size_t j = std::max(i + 2, run * kRun); j < std::min(n, (run + 1) * kRun); ++j) {
+      if (i == 0 && j == n - 1) continue;  // neighbours
+      if (!meet(point[i], point[i + 1], point[j], point[j + 1])) continue;
+      const JunctionArm &a = junction.arms[o.owner[i]], &b = junction.arms[o.owner[j]];
+      return explained(junction.arms, "the area's edges cross at " + name_of(a) +
+                                          (&a == &b ? "" : " and " + name_of(b)) +
+                                          ": move the ends apart or turn them toward one another");
+    }
+    return {};
+  };
+  for (std::size_t from = 0; from < boxes.size(); ++from) {
+    for (std::size_t to = from; to < boxes.size(); ++to) {
+      if (!boxes[from].touches(boxes[to])) continue;
+      for (std::size_t i = from * kRun; i < std::min(n, (from + 1) * kRun); ++i) {
+        if (std::string fault = fault_between(i, to); !fault.empty()) return fault;
       }
     }
   }
@@ -352,14 +365,14 @@ bool is_sound(const Segment& s) {
 void check_corner(const Junction& junction, std::size_t i, std::vector<std::string>& found) {
   const std::vector<Segment>& pieces = junction.corners[i];
   const JunctionArm &arm = junction.arms[i], &next = junction.arms[(i + 1) % junction.arms.size()];
-  const std::string where = "junction " + junction.id + ": corner from " + name_of(arm) + " to " + name_of(next) + ": ";
-  if (pieces.empty() || !std::all_of(pieces.begin(), pieces.end(), is_sound)) {
-    found.push_back(where + (pieces.empty() ? "no pieces" : "a piece has no length or is not finite"));
-    return;
-  }
   const auto add = [&](const std::string& fault) {
-    if (!fault.empty()) found.push_back(where + fault);
+    if (fault.empty()) return;
+    found.push_back("junction " + junction.id + ": corner from " + name_of(arm) + " to " + name_of(next) + ": " +
+                    fault);
   };
+  if (pieces.empty() || !std::all_of(pieces.begin(), pieces.end(), is_sound)) {
+    return add(pieces.empty() ? "no pieces" : "a piece has no length or is not finite");
+  }
   const Segment &first = pieces.front(), &last = pieces.back();
   add(gap(first.start_m, heading_rad(first, 0), first.elevation_m.value(0), first.elevation_m.slope(0),
           cut_point_m(arm, arm.right_m), arm.heading_rad, cut_height_m(arm, arm.right_m), arm.grade,

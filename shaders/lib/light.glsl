@@ -88,22 +88,30 @@ FN LightSurface light_phong(IN(vec3) base, IN(vec3) specular, IN(float) exponent
 // The BRDF. Requires: n, l, v unit. 0 where light or eye are behind the surface. Reciprocal: l and v may change places.
 // No more than the light that falls on it is reflected: the diffuse part has what enters through the surface and leaves
 // through it again, where glTF's example takes 1 less Fresnel's part at h, by which white dielectrics would gain up to 30 %.
-FN vec3 light_brdf(IN(LightSurface) s, IN(vec3) n, IN(vec3) l, IN(vec3) v) {
+FN vec3 light_brdf_phong(IN(LightSurface) s, IN(vec3) n, IN(vec3) l, IN(vec3) v) {
   float nl = dot(n, l);
   float nv = dot(n, v);
-  vec3 none = vec3(0.0, 0.0, 0.0);
-  if (!(nl > 0.0 && nv > 0.0)) return none;
-  if (s.exponent > 0.0) {
-    float toward = max(2.0 * nl * nv - dot(l, v), float(0.0));  // of the mirrored light, toward the eye
-    float lobe = (s.exponent + 2.0) / (2.0 * LIGHT_PI) * pow(toward, s.exponent);
-    return s.diffuse * float(1.0 / LIGHT_PI) + s.f0 * lobe;
-  }
+  if (!(nl > 0.0 && nv > 0.0)) return vec3(0.0, 0.0, 0.0);
+  float toward = max(2.0 * nl * nv - dot(l, v), float(0.0));  // of the mirrored light, toward the eye
+  float lobe = (s.exponent + 2.0) / (2.0 * LIGHT_PI) * pow(toward, s.exponent);
+  return s.diffuse * float(1.0 / LIGHT_PI) + s.f0 * lobe;
+}
+
+FN vec3 light_brdf_metal_roughness(IN(LightSurface) s, IN(vec3) n, IN(vec3) l, IN(vec3) v) {
+  float nl = dot(n, l);
+  float nv = dot(n, v);
+  if (!(nl > 0.0 && nv > 0.0)) return vec3(0.0, 0.0, 0.0);
   vec3 h = normalize(l + v);
   vec3 fresnel = light_schlick(s.f0, dot(v, h));
   float lobe = light_distribution(n, h, s.alpha) * light_visibility(nl, nv, s.alpha);
   vec3 white = vec3(1.0, 1.0, 1.0);
   vec3 entering = (white - light_schlick(s.f0, nl)) * (white - light_schlick(s.f0, nv));
   return entering * s.diffuse * float(1.0 / LIGHT_PI) + fresnel * lobe;
+}
+
+FN vec3 light_brdf(IN(LightSurface) s, IN(vec3) n, IN(vec3) l, IN(vec3) v) {
+  if (s.exponent > 0.0) return light_brdf_phong(s, n, l, v);
+  return light_brdf_metal_roughness(s, n, l, v);
 }
 
 // Half vector of the lobe at (u, w) in the unit square, about z, so that even samples fall by light_distribution times

@@ -136,7 +136,7 @@ int run() {
     area.triangles = terrain.report().triangles;
     area.renderer = std::make_unique<Renderer>(require(Renderer::create(*context)));
     require(area.renderer->load_roads(network));
-    require(area.renderer->load_ground(terrain.tiles()));
+    require(area.renderer->load_ground(terrain.ground()));
     areas.push_back(std::move(area));
   }
   for (int round = 0; round < kRounds; ++round) {

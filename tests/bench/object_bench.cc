@@ -103,9 +103,9 @@ void print_wasted(Context& context) {
   const auto row = [&](const std::string& name, int kind, bool set, bool round) {
     std::string text = "| " + name;
     for (const int polygon : {4, 6, 8, 12, 16}) {
-      text += fmt::format(" | {:.3f}", wasted(context, kind, {.rectangle = false, .polygon = polygon}, set));
+      text += fmt::format(" | {:.3f}", wasted(context, kind, {.polygon = polygon}, set));
     }
-    text += round ? fmt::format(" | {:.3f} |", wasted(context, kind, {}, set)) : " | - |";
+    text += round ? fmt::format(" | {:.3f} |", wasted(context, kind, {.rectangle = true}, set)) : " | - |";
     fmt::print("{}\n", text);
   };
   row("sphere of a set", 5, true, true);
@@ -315,27 +315,34 @@ void print_spheres(Context& context, const std::string& name, const SphereSet& s
   // Lit as the peer's are, but for one: Phong, no shadows.
   scene.materials.push_back({.model = ObjectMaterial::Model::kPhong});
   const FrameOptions frame{.width = kSize, .height = kSize, .samples = 1};
-  Renderer rectangle = need(Renderer::create(context)), polygon = need(Renderer::create(context)),
-           every = need(Renderer::create(context)), shadowed = need(Renderer::create(context));
-  need(rectangle.load_objects(scene, {.shadows = false}));
-  need(polygon.load_objects(scene, {.rectangle = false, .shadows = false}));
-  need(every.load_objects(scene, {.occlusion = false, .shadows = false}));
-  need(shadowed.load_objects(scene));
+  // Without a sky, as the peer.
+  use_shaders("/plain");
+  constexpr int kWays = 5;
+  const ObjectOptions ways[kWays] = {{.shadows = false},
+                                     {.rectangle = true, .shadows = false},
+                                     {.polygon = 8, .shadows = false},
+                                     {.occlusion = false, .shadows = false},
+                                     {}};
+  std::vector<Renderer> renderers;
+  for (const ObjectOptions& way : ways) {
+    renderers.push_back(need(Renderer::create(context)));
+    need(renderers.back().load_objects(scene, way));
+  }
+  use_shaders(nullptr);
   const Tessellation mesh(set, camera);
   RenderTarget target = need(RenderTarget::create({kSize, kSize}));
-  Times times[5];
+  Times times[kWays + 1];
   const std::optional<Peer> before = vtk(set, camera, repeats);
   for (int i = -1; i < repeats; ++i) {
     Times ignored;
     const auto into = [&](int k) -> Times& { return i < 0 ? ignored : times[k]; };
-    into(0).add([&] { need(rectangle.render(camera, frame)); });
-    into(1).add([&] { need(polygon.render(camera, frame)); });
-    into(2).add([&] { need(every.render(camera, frame)); });
-    into(3).add([&] {
+    for (int k = 0; k < kWays; ++k) {
+      into(k).add([&] { need(renderers[static_cast<std::size_t>(k)].render(camera, frame)); });
+    }
+    into(kWays).add([&] {
       mesh.draw(target);
       static_cast<void>(target.read_rgba8());
     });
-    into(4).add([&] { need(shadowed.render(camera, frame)); });
   }
   const std::optional<Peer> after = vtk(set, camera, repeats);
   fmt::print("\n{}: {} spheres, eye {} radii away, {} x {} pixels, read back; median of {}\n\n", name, set.items.size(),
@@ -347,18 +354,25 @@ void print_spheres(Context& context, const std::string& name, const SphereSet& s
     fmt::print("| {} | {:.1f} | {:.1f} | {} |\n", method, process, wall,
                peer ? fmt::format("{:.2f}", process / of_vtk) : "-");
   };
-  const std::string names[] = {
-      fmt::format("roadgen, rectangles ({} drawn)", rectangle.object_statistics().drawn_spheres), "roadgen, octagons",
-      "roadgen, rectangles, hidden ones drawn too",
-      fmt::format("tessellated within half a pixel ({} triangles)", mesh.triangles()),
-      "roadgen, rectangles, with the sun's shadows"};
-  for (int k = 0; k < 5; ++k) row(names[k], median(times[k].process), median(times[k].wall));
+  const std::string names[] = {fmt::format("roadgen ({} drawn)", renderers[0].object_statistics().drawn_spheres),
+                               "roadgen, rectangles only",
+                               "roadgen, octagons only",
+                               "roadgen, hidden ones drawn too",
+                               "roadgen, with the sun's shadows",
+                               fmt::format("tessellated within half a pixel ({} triangles)", mesh.triangles())};
+  for (int k = 0; k <= kWays; ++k) row(names[k], median(times[k].process), median(times[k].wall));
   if (peer) {
     row(fmt::format("VTK's sphere mapper ({:.0f} % covered)", 100 * before->cover), of_vtk,
         0.5 * (before->wall_ms + after->wall_ms));
   } else {
     fmt::print("VTK SKIPPED: python3-vtk9, python3-numpy and xvfb are not all installed\n");
   }
+}
+
+void print_clouds(Context& context, const std::string& xyzr, const std::string& mesh, int repeats) {
+  const SphereSet molecule = read_xyzr(xyzr), cloud = spheres_on(mesh, 35947);
+  for (const double distance : {2.4, 1.25}) print_spheres(context, "Molecule", molecule, distance, repeats);
+  for (const double distance : {2.4, 1.6}) print_spheres(context, "Spheres on a mesh", cloud, distance, repeats);
 }
 
 // Full screen --------------------------------------------------------------------------------------------------------------
@@ -385,7 +399,7 @@ void print_full_screen(Context& context, int repeats) {
     double spent[2];
     for (const bool texture : {false, true}) {
       Renderer renderer = need(Renderer::create(context));
-      need(renderer.load_objects(scene, {.rectangle = false, .texture_space = texture, .shadows = false}));
+      need(renderer.load_objects(scene, {.texture_space = texture, .shadows = false}));
       Times times;
       for (int i = 0; i < repeats; ++i) {
         times.add([&] { need(renderer.render(camera, {.width = kSize, .height = kSize, .samples = 1})); });
@@ -514,11 +528,12 @@ int run(int argc, char** argv) {
   CLI::App app("What objects cost, and what else would.");
   std::string data = ROADGEN_SOURCE_DIR "/../shared/data/geometry/";
   std::string xyzr = data + "pdb/ribosome_4V5A_first99130.xyzr", mesh = data + "common-3d/spot.obj";
-  std::string pictures;
+  std::string pictures, parts = "ellipse,spheres,screen,proxies";
   int repeats = 9;
   app.add_option("--xyzr", xyzr, "spheres, a line x y z radius each")->capture_default_str();
   app.add_option("--mesh", mesh, "a mesh that 35,947 spheres are spread over")->capture_default_str();
   app.add_option("--repeats", repeats, "measurements of each")->capture_default_str();
+  app.add_option("--parts", parts, "which tables to make")->capture_default_str();
   app.add_option("--pictures", pictures, "writes PREFIX.shapes.png and PREFIX.molecule.png, and measures nothing");
   CLI11_PARSE(app, argc, argv);
   const std::unique_ptr<Context> context = need(Context::create({.kind = ContextKind::kOsmesa}));
@@ -527,12 +542,11 @@ int run(int argc, char** argv) {
     write_molecule(*context, read_xyzr(xyzr), pictures + ".molecule.png");
     return 0;
   }
-  print_ellipse(*context);
-  const SphereSet molecule = read_xyzr(xyzr), cloud = spheres_on(mesh, 35947);
-  for (const double distance : {2.4, 1.25}) print_spheres(*context, "Molecule", molecule, distance, repeats);
-  for (const double distance : {2.4, 1.6}) print_spheres(*context, "Spheres on a mesh", cloud, distance, repeats);
-  print_full_screen(*context, repeats);
-  print_wasted(*context);
+  const auto wanted = [&](const char* part) { return parts.find(part) != std::string::npos; };
+  if (wanted("ellipse")) print_ellipse(*context);
+  if (wanted("spheres")) print_clouds(*context, xyzr, mesh, repeats);
+  if (wanted("screen")) print_full_screen(*context, repeats);
+  if (wanted("proxies")) print_wasted(*context);
   return 0;
 }
 

@@ -107,11 +107,28 @@ void BM_HeightScattered(benchmark::State& state) {
 void BM_HeightAlongRoad(benchmark::State& state) {
   ask_all(state, along(), [](glm::dvec2 p) { return terrain().height_m(p); });
 }
+void ask_at_once(benchmark::State& state, const std::vector<glm::dvec2>& points) {
+  constexpr std::size_t kBatch = 4096;
+  std::vector<double> heights_m(kBatch);
+  const std::span<const glm::dvec2> all(points);
+  std::size_t first = 0;
+  terrain();
+  for (auto _ : state) {
+    terrain().heights_m(all.subspan(first, kBatch), heights_m);
+    benchmark::DoNotOptimize(heights_m.data());
+    first = first + 2 * kBatch <= points.size() ? first + kBatch : 0;
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kBatch));
+}
+void BM_HeightsScattered(benchmark::State& state) { ask_at_once(state, scattered()); }
+void BM_HeightsAlongRoad(benchmark::State& state) { ask_at_once(state, along()); }
 void BM_NormalAlongRoad(benchmark::State& state) {
   ask_all(state, along(), [](glm::dvec2 p) { return terrain().normal(p).z; });
 }
 BENCHMARK(BM_HeightScattered);
 BENCHMARK(BM_HeightAlongRoad);
+BENCHMARK(BM_HeightsScattered);
+BENCHMARK(BM_HeightsAlongRoad);
 BENCHMARK(BM_NormalAlongRoad);
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(Town, ThroughTheFileIsTheSamePictureBitForBit) {
   const char* views[][2] = {{"crossing", "-45,-40,22,45,-25,0"}, {"tunnel", "21,-110,0,100,2,0"}};
   for (const auto& [name, camera] : views) {
     const Outcome drawn =
-        roadgen({"render", net, "--camera", camera, "--fov", "60", "--size", "1280x800", "-o", folder.path(name)});
+        roadgen({"render", net, "--camera", camera, "--fov", "60", "--size", "960x600", "-o", folder.path(name)});
     ASSERT_EQ(drawn.code, 0) << drawn.err;
     const std::string in_memory = ::roadgen::test::text_of(prefix + "." + name + ".png");
     EXPECT_GT(in_memory.size(), 10000u);

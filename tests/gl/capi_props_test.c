@@ -5,17 +5,9 @@
 #include <string.h>
 
 #include "roadgen/capi/roadgen.h"
+#include "tests/common/c_expect.h"
 
 enum { kWidth = 96, kHeight = 64 };
-
-static int failures = 0;
-#define EXPECT(claim)                                                                                \
-  do {                                                                                               \
-    if (!(claim)) {                                                                                  \
-      fprintf(stderr, "%s:%d: not so: %s (%s)\n", __FILE__, __LINE__, #claim, roadgen_last_error()); \
-      ++failures;                                                                                    \
-    }                                                                                                \
-  } while (0)
 
 /* A straight level road, x from -50 to 50. */
 static int write_network(const char* path) {

@@ -205,6 +205,36 @@ TEST_F(GroundSupportTest, TheFloorOfATunnelIsWhatThePictureShows) {
   EXPECT_LT(worst, 0.01);
 }
 
+// Ground behind nearer ground is left out, but never what is seen, through a tunnel either: the same bits.
+TEST_F(GroundSupportTest, WhatIsHiddenMayBeLeftOut) {
+  RendererOptions all;
+  all.cull = false;
+  auto whole = Renderer::create(*make_context(ContextKind::kOsmesa), all);
+  ASSERT_TRUE(whole.ok() && whole->load_roads(network_).ok() && whole->load_ground(terrain_->tiles()).ok());
+  Renderer drawn = renderer();
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::size_t of_drawn = 0, of_all = 0;
+  for (int i = 0; i < 100; ++i) {
+    const double about[] = {kTunnelFrom_m - 15, kTunnelTo_m + 15, 200, kBridgeFrom_m, kBridgeTo_m};
+    Camera camera = drive_camera(network_.roads[0], about[i % 5] + 80 * (uniform(random) - 0.5),
+                                 10 * (uniform(random) - 0.5), 0.3 * std::pow(100, uniform(random)));
+    camera.yaw_deg += i % 2 == 0 ? 180 * (i % 4 == 0) : 360 * uniform(random);
+    camera.pitch_deg = i % 2 == 0 ? 0 : 60 * (uniform(random) - 0.5);
+    camera.fov_deg = 20 + 80 * uniform(random);
+    const FrameOptions request{.width = 160, .height = 100, .channels = kColor | kDepth | kLabel};
+    const auto a = drawn.render(camera, request), b = whole->render(camera, request);
+    ASSERT_TRUE(a.ok() && b.ok());
+    EXPECT_TRUE(a->color.pixels == b->color.pixels) << i;
+    EXPECT_TRUE(a->depth_m.pixels == b->depth_m.pixels) << i;
+    EXPECT_TRUE(a->label.pixels == b->label.pixels) << i;
+    of_drawn += drawn.ground_statistics().drawn_triangles;
+    of_all += whole->ground_statistics().drawn_triangles;
+  }
+  std::printf("%zu of %zu triangles drawn\n", of_drawn, of_all);
+  EXPECT_LT(of_drawn, of_all);
+}
+
 // The test above can fail: ground that is not cut away is found.
 TEST_F(GroundSupportTest, GroundThatIsNotCutAwayIsFound) {
   const auto shader = read_shader_file("terrain.frag");
@@ -291,7 +321,11 @@ TEST_P(GroundOfPlaces, ShowsNoGroundInTunnelsOrInFrontOfRoads) {
   auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa));
   auto coarse = Renderer::create(*make_context(ContextKind::kOsmesa));
   auto bare = Renderer::create(*make_context(ContextKind::kOsmesa));
-  ASSERT_TRUE(renderer.ok() && coarse.ok() && bare.ok());
+  RendererOptions none_left_out;
+  none_left_out.cull = false;
+  auto all = Renderer::create(*make_context(ContextKind::kOsmesa), none_left_out);
+  ASSERT_TRUE(renderer.ok() && coarse.ok() && bare.ok() && all.ok());
+  ASSERT_TRUE(all->load_roads(network).ok() && all->load_ground(terrain->tiles()).ok());
   ASSERT_TRUE(renderer->load_roads(network).ok() && coarse->load_roads(network).ok() && bare->load_roads(network).ok());
   ASSERT_TRUE(renderer->load_ground(terrain->tiles()).ok() && coarse->load_ground(coarse_tiles).ok());
   const GroundRays rays(network, *terrain);
@@ -317,6 +351,10 @@ TEST_P(GroundOfPlaces, ShowsNoGroundInTunnelsOrInFrontOfRoads) {
       const auto frame = (*from)->render(camera, request);
       ASSERT_TRUE(frame.ok());
       rays.count(*frame, camera, *into, [&] { return std::move(*bare->render(camera, request)); });
+      if (into != &counts) continue;
+      const auto same = all->render(camera, request);
+      ASSERT_TRUE(same.ok());
+      EXPECT_TRUE(frame->depth_m.pixels == same->depth_m.pixels && frame->label.pixels == same->label.pixels) << i;
     }
   }
   counts.print(GetParam().roads);

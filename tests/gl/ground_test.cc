@@ -309,6 +309,43 @@ TEST_F(GroundTest, ContactAgreesWithThePicture) {
   EXPECT_LE(worst_part, 1);
 }
 
+// Ground behind nearer ground is left out: the same picture and channels, bit for bit, from the road, the air and beside.
+TEST_F(GroundTest, GroundBehindGroundMayBeLeftOut) {
+  auto terrain = Terrain::build(network_, &*elevation_);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  RendererOptions all;
+  all.cull = false;
+  auto drawn = Renderer::create(*make_context(ContextKind::kOsmesa));
+  auto whole = Renderer::create(*make_context(ContextKind::kOsmesa), all);
+  ASSERT_TRUE(drawn.ok() && whole.ok());
+  ASSERT_TRUE(drawn->load_ground(terrain->ground()).ok() && whole->load_ground(terrain->ground()).ok());
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const Rectangle& area = terrain->report().area;
+  std::size_t of_drawn = 0, of_all = 0;
+  for (int i = 0; i < 150; ++i) {
+    Camera camera = drive_camera(network_.roads[0], network_.roads[0].length_m() * uniform(random), -1.75, 1.5);
+    camera.yaw_deg += 360 * uniform(random);
+    camera.pitch_deg += 40 * (uniform(random) - 0.5);
+    camera.fov_deg = 10 + 100 * uniform(random);
+    // Anywhere, from 10 cm above the ground to 300 m; now and then below it, or outside of the area.
+    if (i % 2 == 0) {
+      const glm::dvec2 at =
+          area.low_m + (area.high_m - area.low_m) * (1.1 * glm::dvec2(uniform(random), uniform(random)));
+      camera.position_m = {at, terrain->height_m(at) + (i % 10 == 0 ? -20 : 0.1 * std::pow(3000, uniform(random)))};
+    }
+    const FrameOptions request{.width = 160, .height = 90, .channels = kColor | kDepth};
+    const auto a = drawn->render(camera, request), b = whole->render(camera, request);
+    ASSERT_TRUE(a.ok() && b.ok());
+    EXPECT_TRUE(a->color.pixels == b->color.pixels) << i;
+    EXPECT_TRUE(a->depth_m.pixels == b->depth_m.pixels) << i;
+    of_drawn += drawn->ground_statistics().drawn_triangles;
+    of_all += whole->ground_statistics().drawn_triangles;
+  }
+  std::printf("%zu of %zu triangles drawn\n", of_drawn, of_all);
+  EXPECT_LT(of_drawn, of_all / 2);
+}
+
 TEST_F(GroundTest, GroundThatIsNotLevelledIsFound) {
   // The same road in a terrain that was levelled for a road 0.4 m higher: the test above can fail.
   Network higher = network_;

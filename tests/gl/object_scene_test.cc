@@ -136,13 +136,10 @@ TEST_F(ObjectScenes, ProxiesAndAcceptanceMakeNoDifference) {
     object.transform[3] = glm::dvec4(random.direction() * random.uniform(4, 7), 1);
   }
   for (const glm::dvec3 from : {glm::dvec3(-14, 0, 0), glm::dvec3(0, 0, 0)}) {
-    load(scene, {.rectangle = false, .polygon = 12});
+    load(scene, {.polygon = 12});
     const Frame expected = frame(camera_at(from));
-    ObjectOptions options[] = {{.polygon = 3},
-                               {.polygon = 4},
-                               {.polygon = 32},
-                               {.rectangle = true},
-                               {.rectangle = false, .texture_space = true}};
+    const ObjectOptions options[] = {{.polygon = 3},         {.polygon = 4}, {.polygon = 32}, {.rectangle = true}, {},
+                                     {.texture_space = true}};
     for (const ObjectOptions& option : options) {
       load(scene, option);
       const Frame f = frame(camera_at(from));

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# consume.sh BUILD SOURCE ROADGEN: installs BUILD into a fresh prefix, builds demo/embed_c against it twice, by
+# consume.sh BUILD SOURCE: installs BUILD into a fresh prefix, builds demo/embed_c against it twice, by
 # find_package and by pkg-config, in plain C, and runs both on an imported road.
 set -euo pipefail
-build=$1 source=$2 roadgen=$3
+build=$1 source=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
-"$roadgen" import "$source/data/pass.csv" -o "$work/pass.xodr" >/dev/null 2>&1
+# By the installed program, which finds the fit's library there.
+"$work/prefix/bin/roadgen" import "$source/data/pass.csv" -o "$work/pass.xodr" >/dev/null 2>&1
 
 cmake -G Ninja -S "$source/demo/embed_c" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$work/prefix" \
       ${CMAKE_C_FLAGS:+-DCMAKE_C_FLAGS="$CMAKE_C_FLAGS"} >/dev/null

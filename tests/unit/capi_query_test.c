@@ -6,15 +6,8 @@
 #include <string.h>
 
 #include "roadgen/capi/roadgen.h"
+#include "tests/common/c_expect.h"
 
-static int failures = 0;
-#define EXPECT(claim)                                                                                \
-  do {                                                                                               \
-    if (!(claim)) {                                                                                  \
-      fprintf(stderr, "%s:%d: not so: %s (%s)\n", __FILE__, __LINE__, #claim, roadgen_last_error()); \
-      ++failures;                                                                                    \
-    }                                                                                                \
-  } while (0)
 #define EXPECT_NEAR(a, b, tolerance) EXPECT(fabs((a) - (b)) <= (tolerance))
 
 static const char* kRoad =

@@ -10,9 +10,8 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/fit/fit.h"
-#include "roadgen/fit/least_squares.h"
-#include "roadgen/fit/outliers.h"
 #include "roadgen/fit/profile.h"
+#include "roadgen/fit/solver.h"
 
 namespace roadgen {
 namespace {
@@ -299,7 +298,7 @@ TEST(SolveJoints, ReturnToTheCurveOfTheSamples) {
       j.heading_rad += 0.03 * uniform(random);
     }
     // A small error leaves next to nothing to fairness.
-    solve_joints(pushed, samples, closed, 1e-5);
+    fit_solver().value()->solve_joints(pushed, samples, closed, 1e-5);
     for (std::size_t i = 0; i < joints.size(); ++i) {
       // Along the curve a joint may stay where it was pushed.
       const glm::dvec2 normal = direction(joints[i].heading_rad + M_PI / 2);
@@ -501,7 +500,7 @@ TEST(Fit, OutliersMayBeLeftOut) {
       // Which they are, by the numbers that users are told.
       std::vector<glm::dvec2> positions;
       for (const Sample& sample : s.samples) positions.push_back(sample.position_m);
-      const std::vector<char> outlier = find_outliers(positions, false, 0.1);
+      const std::vector<char> outlier = fit_solver().value()->find_outliers(positions, false, 0.1);
       planted += s.bad.size();
       for (std::size_t i = 0; i < outlier.size(); ++i) {
         const bool bad = std::binary_search(s.bad.begin(), s.bad.end(), i);

@@ -9,9 +9,11 @@
 #include <span>
 
 #include <gtest/gtest.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "terrain/bisection.h"
+#include "terrain/height_mesh.h"
 #include "terrain/plates.h"
 #include "tests/joined_ground.h"
 #include "tests/unit/terrain_scenes.h"
@@ -346,6 +348,74 @@ TEST(Terrain, LevelsOfDetailHaveNoCracksAndStayWithinTheirError) {
   expect_no_cracks(coarsest, report.area);
 }
 
+// Whatever part of whichever tiles has been read, the rest is drawn coarser without cracks, and from no more than is there.
+TEST(Terrain, TilesThatAreNotAllThereFitTogether) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  TerrainOptions options = small();
+  options.margin_m = 900;
+  const auto terrain = Terrain::build(hairpin_network(0.08), &elevation, options);
+  ASSERT_TRUE(terrain);
+  const std::span<const GroundTile> tiles = terrain->ground()->tiles();
+  ASSERT_GT(tiles.size(), 3u);
+  std::mt19937 random(15);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::size_t lacking = 0;
+  for (int trial = 0; trial < 24; ++trial) {
+    const Rectangle& area = terrain->report().area;
+    const glm::dvec2 flat = glm::mix(area.low_m, area.high_m, glm::dvec2(unit(random), unit(random)));
+    Detail detail{{flat, terrain->height_m(flat) + 2}, 1, 1e-5 * std::pow(1000, unit(random))};
+    std::vector<std::uint32_t> bands;
+    for (const GroundTile& tile : tiles) {
+      const std::uint32_t needed = bands_needed(tile, detail);
+      bands.push_back(unit(random) < 0.5 ? needed : 1 + static_cast<std::uint32_t>(unit(random) * needed));
+      if (bands.back() >= needed) continue;
+      detail.gaps.push_back(gap_of(tile, bands.back()));
+      ++lacking;
+    }
+    std::vector<TerrainMesh> drawn = terrain->tiles();
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      // What is not there is no number, so that whatever reads it is found.
+      const std::uint32_t known = tiles[i].bands[bands[i] - 1].vertices;
+      const auto lose = [&](std::vector<float>& of) { std::fill(of.begin() + known, of.end(), NAN); };
+      lose(drawn[i].error_m);
+      lose(drawn[i].radius_m);
+      std::vector<std::uint32_t> chosen;
+      select_triangles(view_of(drawn[i]), bands[i], detail, chosen);
+      for (const std::uint32_t v : chosen) ASSERT_LT(v, known);
+      drawn[i].triangles = chosen;
+    }
+    expect_no_cracks(drawn, area);
+  }
+  EXPECT_GT(lacking, 20u);
+}
+
+// The bands are meshes of their own, of falling error, and the first holds what is always drawn.
+TEST(Terrain, BandsGoFromCoarseToFine) {
+  const Elevation elevation = rough_elevation(scratch_folder());
+  const auto terrain = Terrain::build(hairpin_network(0.1), &elevation, small());
+  ASSERT_TRUE(terrain);
+  for (const TerrainMesh& tile : terrain->tiles()) {
+    ASSERT_FALSE(tile.bands.empty());
+    EXPECT_EQ(tile.bands.back().vertices, tile.positions_m.size());
+    EXPECT_EQ(tile.bands.back().nodes, tile.nodes.size());
+    std::size_t band = 0;
+    float error = std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
+      if (i == tile.bands[band].nodes) ++band;
+      const TerrainMesh::Node& node = tile.nodes[i];
+      EXPECT_TRUE(node.child < 0 || node.child > static_cast<std::int32_t>(i));
+    }
+    for (std::size_t i = tile.bands[0].vertices; i < tile.error_m.size(); ++i) {
+      EXPECT_LE(tile.error_m[i], error);
+      error = tile.error_m[i];
+      EXPECT_FALSE(std::isinf(error));
+    }
+    for (const std::uint32_t v : std::span(tile.triangles).subspan(tile.whole())) {
+      EXPECT_LT(v, tile.bands[0].vertices);
+    }
+  }
+}
+
 TEST(Terrain, HeightIsThatOfTheDrawnTriangles) {
   const Elevation elevation = rough_elevation(scratch_folder());
   const auto terrain = Terrain::build(hairpin_network(0.1), &elevation, small());
@@ -454,15 +524,67 @@ TEST(Terrain, IsWrittenAsElevationThatReadsBackTheSame) {
   }
 }
 
-TEST(Bisection, FindsTheLeafThatHoldsAPlaceAndStaysConforming) {
+// The height of a place on a mesh, by looking at every leaf.
+double height_of(const Bisection& mesh, const std::vector<std::int32_t>& leaves, glm::dvec2 p, glm::dvec2& slope) {
+  for (const std::int32_t leaf : leaves) {
+    const Bisection::Triangle& t = mesh.triangle(leaf);
+    const glm::dvec2 apex(mesh.lattice(t.apex)), l = glm::dvec2(mesh.lattice(t.left)) - apex,
+                                                 r = glm::dvec2(mesh.lattice(t.right)) - apex, q = p - apex;
+    const double area = l.x * r.y - l.y * r.x;
+    const double a = (q.x * r.y - q.y * r.x) / area, b = (l.x * q.y - l.y * q.x) / area;
+    if (a < 0 || b < 0 || a + b > 1) continue;
+    const double to_l = mesh.height(t.left) - mesh.height(t.apex), to_r = mesh.height(t.right) - mesh.height(t.apex);
+    slope = glm::dvec2(to_l * r.y - to_r * l.y, to_r * l.x - to_l * r.x) / area;
+    return mesh.height(t.apex) + a * to_l + b * to_r;
+  }
+  ADD_FAILURE() << "no leaf holds " << p.x << ", " << p.y;
+  return 0;
+}
+
+// One by one and in batches of any size, everywhere, and beyond the border as at it.
+TEST(HeightMesh, TellsThePlaneOfTheLeafThatHoldsAPlace) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> quanta(-2000000, 9000000);
+  Bisection mesh({3, 2}, 6, [&](glm::ivec2 p) { return ((p.x * 7919 + p.y * 104729) % 100000) / 1024.0; });
+  ASSERT_TRUE(mesh.refine([&](const Bisection::Triangle& t) { return t.level < 3 || random() % 3 == 0; }, 100000));
+  for (std::uint32_t v = 0; v < mesh.vertices(); ++v) mesh.set_height(v, quanta(random) / 1024.0);
+  const std::vector<std::int32_t> leaves = mesh.all_leaves();
+  const HeightMesh heights(mesh, 1.0 / 1024);
+  EXPECT_TRUE(heights.is_sound());
+  std::uniform_real_distribution<double> px(-10, 202), py(-10, 138);
+  std::vector<glm::dvec2> places;
+  for (int i = 0; i < 2000; ++i) places.emplace_back(px(random), py(random));
+  for (const double x : {0.0, 64.0, 100.0, 192.0}) {
+    for (const double y : {0.0, 32.0, 64.0, 128.0}) places.emplace_back(x, y);
+  }
+  std::vector<double> told(places.size());
+  heights.heights_m(places, told);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const glm::dvec2 p = places[i], inside = glm::clamp(p, glm::dvec2(0), glm::dvec2(192, 128));
+    glm::dvec2 slope(0, 0);
+    EXPECT_NEAR(heights.height_m(p), height_of(mesh, leaves, inside, slope), 1e-6);
+    EXPECT_EQ(told[i], heights.height_m(p));
+    // At vertices there are several.
+    if (i < 2000 && p == inside) {
+      EXPECT_LT(glm::length(heights.gradient(p) - slope), 1e-9);
+    }
+  }
+  std::vector<double> few(5);
+  heights.heights_m(std::span(places).first(5), few);
+  EXPECT_TRUE(std::equal(few.begin(), few.end(), told.begin()));
+  for (const glm::dvec2 p : {glm::dvec2(NAN, 3), glm::dvec2(INFINITY, -INFINITY), glm::dvec2(1e300, NAN)}) {
+    EXPECT_TRUE(std::isfinite(heights.height_m(p)));
+  }
+}
+
+TEST(Bisection, StaysConforming) {
   Bisection mesh({3, 2}, 6, [](glm::ivec2 p) { return 0.5 * p.x - 0.25 * p.y; });
   std::mt19937 random(5);
   ASSERT_TRUE(mesh.refine([&](const Bisection::Triangle& t) { return t.level < 3 || random() % 3 == 0; }, 100000));
-  std::size_t leaves = 0;
   std::set<std::int32_t> all;
   const auto add = [&](const auto& self, std::int32_t i) -> void {
     if (mesh.child(i) < 0) {
-      ++leaves, all.insert(i);
+      all.insert(i);
     } else {
       self(self, mesh.child(i)), self(self, mesh.child(i) + 1);
     }
@@ -470,14 +592,7 @@ TEST(Bisection, FindsTheLeafThatHoldsAPlaceAndStaysConforming) {
   for (int y = 0; y < 2; ++y) {
     for (int x = 0; x < 3; ++x) add(add, mesh.root({x, y})), add(add, mesh.root({x, y}) + 1);
   }
-  EXPECT_EQ(leaves, mesh.leaves());
-  EXPECT_EQ(all.size(), leaves);
-  std::uniform_real_distribution<double> px(0, 192), py(0, 128);
-  for (int i = 0; i < 2000; ++i) {
-    const glm::dvec2 p(px(random), py(random));
-    EXPECT_TRUE(all.count(mesh.find(p)));
-    EXPECT_NEAR(mesh.height_at(p), 0.5 * p.x - 0.25 * p.y, 1e-9);
-  }
+  EXPECT_EQ(all.size(), mesh.leaves());
   // Neighbours know each other.
   for (const std::int32_t leaf : all) {
     const Bisection::Triangle& t = mesh.triangle(leaf);

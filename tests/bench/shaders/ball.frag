@@ -17,6 +17,7 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
   return false;
 }
 
+#define MATERIALS 2  // Phong
 #include "object_light.glsl"
 
 void main() {
