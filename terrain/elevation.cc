@@ -188,6 +188,8 @@ std::string in_degrees(const Extent& e) {
 
 struct Elevation::Impl {
   std::string path, vertical_datum;
+  std::string vertical = "EPSG:5773";  // the geoid that heights are above, where they are: WKT, or EGM96
+  VerticalDatum datum = VerticalDatum::kUnknown;
   Grid grid;
   std::size_t voids = 0;
   std::vector<bool> known;  // of the posts; empty: all
@@ -212,6 +214,8 @@ struct Elevation::Impl {
   }
 
   std::optional<Error> reference(const OGRSpatialReference* found, Diagnostics* diagnostics);
+  void find_datum(const OGRSpatialReference* found, const std::string& driver);
+  std::optional<Error> convert(const HeightDatum& wanted, Diagnostics* diagnostics);
 };
 
 // Finds out what the file's coordinates mean.
@@ -228,8 +232,8 @@ std::optional<Error> Elevation::Impl::reference(const OGRSpatialReference* found
     }
   } else {
     geographic = true;
-    if (const char* vertical = found->GetAttrValue("VERT_CS")) vertical_datum = vertical;
     OGRSpatialReference native(*found), wgs84;
+    native.StripVertical();
     native.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     wgs84.SetWellKnownGeogCS("WGS84");
     wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
@@ -253,6 +257,65 @@ std::optional<Error> Elevation::Impl::reference(const OGRSpatialReference* found
   return std::nullopt;
 }
 
+// What the file says of its heights.
+void Elevation::Impl::find_datum(const OGRSpatialReference* found, const std::string& driver) {
+  if (found != nullptr && found->IsCompound()) {
+    datum = VerticalDatum::kGeoid;
+    if (const char* name = found->GetAttrValue("VERT_CS")) vertical_datum = name;
+    char* text = nullptr;
+    if (const OGR_SRSNode* node = found->GetAttrNode("VERT_CS"); node && node->exportToWkt(&text) == OGRERR_NONE) {
+      vertical = text;
+    }
+    CPLFree(text);
+  } else if (found != nullptr && found->GetAxesCount() == 3) {
+    datum = VerticalDatum::kEllipsoid;
+  } else if (driver == "SRTMHGT") {
+    datum = VerticalDatum::kGeoid;
+    vertical_datum = "EGM96 height";
+  }
+}
+
+// From the datum that the heights are in to that of the roads.
+std::optional<Error> Elevation::Impl::convert(const HeightDatum& wanted, Diagnostics* diagnostics) {
+  if (wanted.own) datum = *wanted.own == VerticalDatum::kUnknown ? wanted.roads : *wanted.own;
+  if (datum == VerticalDatum::kUnknown) datum = wanted.roads;
+  if (wanted.roads == VerticalDatum::kUnknown || datum == wanted.roads) return std::nullopt;
+  if (!geographic) return at_file(path, ErrorCode::kData, "heights of no place on the Earth have no other datum");
+  const Result<Undulation> undulation = Undulation::open(wanted.geoid_path, vertical);
+  if (!undulation) {
+    Error error = undulation.error();
+    error.message = "heights are above the " + std::string(name_of(datum)) + ", those of the roads above the " +
+                    name_of(wanted.roads) + ": " + error.message;
+    if (error.file.empty()) error.file = path;
+    return error;
+  }
+  const Transformation to_geographic(from_geographic ? from_geographic->GetInverse() : nullptr);
+  const double sign = wanted.roads == VerticalDatum::kEllipsoid ? 1 : -1;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      glm::dvec2 at = grid.origin_m + grid.step_m * glm::dvec2(column, row);
+      if (to_geographic && !to_geographic->Transform(1, &at.x, &at.y)) continue;
+      const std::optional<double> n = undulation->at(at.x, at.y);
+      if (!n) {
+        char text[120];
+        std::snprintf(text, sizeof text, "the geoid's grid does not reach longitude %.6f, latitude %.6f", at.x, at.y);
+        return at_file(wanted.geoid_path.empty() ? path : wanted.geoid_path, ErrorCode::kData, text);
+      }
+      grid.at(column, row) = static_cast<float>(grid.at(column, row) + sign * *n);
+      least = std::min(least, *n), most = std::max(most, *n);
+    }
+  }
+  if (diagnostics != nullptr) {
+    char text[160];
+    std::snprintf(text, sizeof text, "heights above the %s made heights above the %s, which are %.2f to %.2f m %s",
+                  name_of(datum), name_of(wanted.roads), least, most, sign > 0 ? "more" : "less");
+    diagnostics->push_back({Severity::kInfo, text, path});
+  }
+  datum = wanted.roads;
+  return std::nullopt;
+}
+
 Elevation::Elevation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Elevation::~Elevation() = default;
 Elevation::Elevation(Elevation&&) noexcept = default;
@@ -266,7 +329,8 @@ Result<HeightEncoding> height_encoding_from_name(const std::string& name) {
                "'" + name + "' is no encoding of heights; there are heights, terrain-rgb and terrarium"};
 }
 
-Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnostics, HeightEncoding encoding) {
+Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnostics, HeightEncoding encoding,
+                                  const HeightDatum& datum) {
   static std::once_flag registered;
   std::call_once(registered, [] { GDALAllRegister(); });
   const Quiet quiet;
@@ -310,6 +374,7 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
   grid.step_m = {t[1], -t[5]};
   grid.origin_m = {t[0] + 0.5 * t[1], t[3] + (grid.rows - 0.5) * t[5]};
   if (auto error = impl->reference(spatial, diagnostics)) return *error;
+  impl->find_datum(spatial, dataset->GetDriver()->GetDescription());
 
   std::vector<std::uint8_t> known;
   Impossible impossible;
@@ -329,6 +394,7 @@ Result<Elevation> Elevation::open(const std::string& path, Diagnostics* diagnost
     diagnostics->push_back(
         {Severity::kInfo, std::to_string(impl->voids) + " voids filled from their surroundings", path});
   }
+  if (auto error = impl->convert(datum, diagnostics)) return *error;
   return Elevation(std::move(impl));
 }
 
@@ -374,11 +440,36 @@ double Elevation::post_spacing_m() const {
 }
 
 const std::string& Elevation::vertical_datum() const { return impl_->vertical_datum; }
+VerticalDatum Elevation::datum() const { return impl_->datum; }
 const std::string& Elevation::path() const { return impl_->path; }
 std::size_t Elevation::voids_filled() const { return impl_->voids; }
 const Grid& Elevation::posts() const { return impl_->grid; }
 
-Status write_geotiff(const Grid& heights, const std::string& path) {
+namespace {
+
+// WGS84 with what heights are measured from.
+OGRSpatialReference system_of(VerticalDatum datum, const std::string& geoid) {
+  OGRSpatialReference system;
+  system.SetWellKnownGeogCS("WGS84");
+  if (datum == VerticalDatum::kEllipsoid) system.importFromEPSG(4979);
+  if (datum == VerticalDatum::kGeoid) {
+    OGRSpatialReference flat = system, height;
+    if (geoid.empty() || geoid == "EGM96 height") {
+      height.importFromEPSG(5773);
+    } else if (geoid == "EGM2008 height") {
+      height.importFromEPSG(3855);
+    } else {
+      height.SetVertCS(geoid.c_str(), geoid.c_str());
+    }
+    system.SetCompoundCS(("WGS 84 + " + std::string(height.GetName())).c_str(), &flat, &height);
+  }
+  system.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return system;
+}
+
+}  // namespace
+
+Status write_geotiff(const Grid& heights, const std::string& path, VerticalDatum datum, const std::string& geoid) {
   GDALAllRegister();
   const Quiet quiet;
   const std::string part = path + ".part";
@@ -397,10 +488,8 @@ Status write_geotiff(const Grid& heights, const std::string& path) {
   const glm::dvec2 step = heights.step_m;
   double t[6] = {
       heights.origin_m.x - 0.5 * step.x, step.x, 0, heights.origin_m.y + (heights.rows - 0.5) * step.y, 0, -step.y};
-  OGRSpatialReference wgs84;
-  wgs84.SetWellKnownGeogCS("WGS84");
-  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  bool good = dataset->SetGeoTransform(t) == CE_None && dataset->SetSpatialRef(&wgs84) == CE_None;
+  const OGRSpatialReference system = system_of(datum, geoid);
+  bool good = dataset->SetGeoTransform(t) == CE_None && dataset->SetSpatialRef(&system) == CE_None;
   GDALRasterBand* band = dataset->GetRasterBand(1);
   band->SetUnitType("m");
   for (int row = 0; row < heights.rows && good; ++row) {

@@ -9,6 +9,7 @@
 
 #include "roadgen/road/result.h"
 #include "terrain/grid.h"
+#include "terrain/vertical_datum.h"
 
 namespace roadgen {
 
@@ -32,15 +33,17 @@ class Elevation {
  public:
   // Reads any raster that GDAL reads: GeoTIFF, ESRI ASCII grid, SRTM .hgt, VRT mosaics of many, and the same inside a
   // .zip (the first member that is a raster). Heights in feet become metres by the band's unit; scale and offset are
-  // applied. Voids (the file's no-data value, -32768, not finite, with a diagnostic below -12 km or above 9 km) are filled from around them, see fill_holes. Heights
-  // are taken as the file has them, above the geoid or the ellipsoid: vertical_datum() says what the file says of that.
+  // applied. Voids (the file's no-data value, -32768, not finite, with a diagnostic below -12 km or above 9 km) are filled from around them, see fill_holes.
+  // Heights above the geoid or the ellipsoid become those of the roads' datum where both are known, post by post; what they
+  // were and are is told (datum(), vertical_datum(), a diagnostic). Of SRTM's .hgt files, which do not say it, they are above
+  // the geoid EGM96.
   // An image without a place whose path ends in zoom/x/y is a tile of the web map's Mercator grid.
   // A file without a coordinate system whose extent fits into [-180, 180] x [-90, 90] is taken for WGS84 longitude and
   // latitude, with a diagnostic; any other is taken for a plane in metres.
   // Errors: not readable; rotated raster; nothing but voids; fewer than 2 x 2 posts; more than 2^28 posts; colours where
-  // heights are said to be, or the other way round.
+  // heights are said to be, or the other way round; heights in another datum than the roads' and no grid of the geoid there.
   static Result<Elevation> open(const std::string& path, Diagnostics* diagnostics = nullptr,
-                                HeightEncoding encoding = HeightEncoding::kHeights);
+                                HeightEncoding encoding = HeightEncoding::kHeights, const HeightDatum& datum = {});
 
   ~Elevation();
   Elevation(Elevation&&) noexcept;
@@ -68,6 +71,8 @@ class Elevation {
 
   // Name of the vertical coordinate system that the file states, or empty.
   const std::string& vertical_datum() const;
+  // What the heights told here are measured from; the roads' where nothing is known.
+  VerticalDatum datum() const;
   const std::string& path() const;
   std::size_t voids_filled() const;
   // The posts as read and filled, in the file's own coordinates, first row southernmost.
@@ -79,8 +84,10 @@ class Elevation {
   std::unique_ptr<Impl> impl_;
 };
 
-// Writes heights on a longitude/latitude grid (degrees, WGS84) as a GeoTIFF of 32-bit floats, whole or not at all.
-// Errors: not writable.
-Status write_geotiff(const Grid& heights, const std::string& path);
+// Writes heights on a longitude/latitude grid (degrees, WGS84) as a GeoTIFF of 32-bit floats, whole or not at all. What they
+// are measured from is in its coordinate system where it is known: 3D, or compound with the geoid of that name, EGM96 where
+// that is empty. Errors: not writable.
+Status write_geotiff(const Grid& heights, const std::string& path, VerticalDatum datum = VerticalDatum::kUnknown,
+                     const std::string& geoid = {});
 
 }  // namespace roadgen

@@ -299,18 +299,18 @@ Levelling::Wish Levelling::nearest_roads(glm::dvec2 point_m, double limit_m) con
 }
 
 // A ditch is there where nothing but its own road is: it fades out over its own width before the shoulders of other legs
-// and areas, and before bridges and tunnels, be they beside its road or further along it.
+// and areas, and before the ends of bridges and tunnels and another width beside them.
 double Levelling::ditch_part(glm::dvec2 point_m, const Wish& wish) const {
   const double width = options_.ditch_width_m(), shoulder = options_.shoulder_m;
   double room = width;
-  index_.visit_within(point_m, shoulder + width, [&](SegmentRef ref, const Segment& segment) {
+  index_.visit_within(point_m, shoulder + 2 * width, [&](SegmentRef ref, const Segment& segment) {
     for (const SupportedPart& part : supports_.of(index_.network(), ref)) {
       const Passing at = passing(part, segment, point_m, shoulder);
       const double beside = at.beside_m - shoulder;
       if (part.support == Support::kGround) {
         if (at.is_beside && glm::length(at.foot_m - wish.foot_m) > kOtherLeg_m) room = std::min(room, beside);
       } else if (std::abs(at.z_m - wish.level_m) < kDitchBelow_m) {
-        room = std::min(room, std::max(at.is_beside ? 0.0 : std::abs(at.beyond_m), beside));
+        room = std::min(room, std::max(at.is_beside ? 0.0 : std::abs(at.beyond_m), beside - width));
       }
     }
   });
@@ -356,15 +356,22 @@ bool Levelling::is_natural(glm::dvec2 point_m) const {
 
 double Levelling::height_m(glm::dvec2 point_m) const {
   if (is_natural(point_m)) return sample_bicubic(natural_, point_m);
-  return below_bridges_m(point_m, levelled_m(point_m));
+  double edge_m = 0;
+  const double ground_m = levelled_m(point_m, edge_m);
+  return below_bridges_m(point_m, ground_m, edge_m);
 }
 
-// The ground where it is not above any bridge about, else cut like that of a road on the ground.
-double Levelling::below_bridges_m(glm::dvec2 point_m, double ground_m) const {
+// The ground where it is not above any bridge about, else cut like that of a road on the ground; but not out of the level
+// strip of a road on the ground beside the bridge, that is road_m away: between the two stands a wall.
+double Levelling::below_bridges_m(glm::dvec2 point_m, double ground_m, double road_m) const {
   if (raised_.empty()) return ground_m;
   const double limit = options_.reach_m + options_.shoulder_m;
   double least = ground_m;
   const glm::dvec3 flat(point_m, 0);
+  const double strip = options_.shoulder_m + kBlendWidth_m;
+  const auto beyond_road = [&](double bridge_m) {
+    return std::max(smooth(3 * road_m / (road_m + bridge_m) - 1), smooth(3 * road_m / strip - 2));
+  };
   raised_tree_.search({flat, flat}, {.reach_m = limit}, [&](std::uint32_t item) {
     const Raised& raised = raised_[item];
     double z = 0, edge = 0;
@@ -382,7 +389,7 @@ double Levelling::below_bridges_m(glm::dvec2 point_m, double ground_m) const {
     if (ground_m <= level) return;
     const double cut =
         d > 0 ? approach_m(level, ground_m, allowance_m(d, options_.cut_slope, options_.reach_m)) : level;
-    least = std::min(least, cut);
+    least = std::min(least, edge > 0 ? glm::mix(ground_m, cut, beyond_road(edge)) : cut);
   });
   return least;
 }
@@ -411,11 +418,12 @@ double Levelling::over_tunnels_m(glm::dvec2 point_m) const {
   return highest;
 }
 
-// The natural ground levelled to the roads on it.
-double Levelling::levelled_m(glm::dvec2 point_m) const {
+// The natural ground levelled to the roads on it, and the distance from the nearest.
+double Levelling::levelled_m(glm::dvec2 point_m, double& edge_m) const {
   const double natural = sample_bicubic(natural_, point_m);
   const double reach = options_.reach_m, limit = reach + options_.shoulder_m;
   const Wish wish = nearest_roads(point_m, limit);
+  edge_m = wish.edge_m;
   if (wish.edge_m >= limit) return natural;
   const double own = wish.level_m - options_.gap_m, d = wish.edge_m - options_.shoulder_m;
   if (d <= 0) return own;

@@ -103,9 +103,9 @@ class Levelling {
             std::shared_ptr<const Grid> distance, Supports supports);
   void find_raised();
   Wish nearest_roads(glm::dvec2 point_m, double limit_m) const;
-  double levelled_m(glm::dvec2 point_m) const;
+  double levelled_m(glm::dvec2 point_m, double& edge_m) const;
   double ditch_part(glm::dvec2 point_m, const Wish& wish) const;
-  double below_bridges_m(glm::dvec2 point_m, double ground_m) const;
+  double below_bridges_m(glm::dvec2 point_m, double ground_m, double road_m) const;
   double over_tunnels_m(glm::dvec2 point_m) const;
   Blend blend(glm::dvec2 point_m) const;
   double far_distance_m(glm::dvec2 point_m) const;

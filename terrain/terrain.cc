@@ -160,10 +160,10 @@ bool Terrain::Impl::is_wanted(const KnownHeights& ground, const Plates& roads, c
       l.ditch_depth_m > 0 && edge < l.shoulder_m + l.ditch_width_m() && edge + 2 * radius > l.shoulder_m
           ? kDitchTolerance * l.ditch_depth_m
           : std::numeric_limits<double>::infinity();
-  if (finer_one && (std::isinf(ditch) || leg <= kFinestDitch_m)) return false;
+  if (finer_one && (std::isinf(ditch) || leg <= factor * kFinestDitch_m)) return false;
 
   const double tolerance =
-      std::min(factor * (options.tolerance_m + options.tolerance_per_m * std::max(edge, 0.0)), ditch);
+      factor * std::min(options.tolerance_m + options.tolerance_per_m * std::max(edge, 0.0), ditch);
   const auto misses = [&](double to_left, double to_right) {
     const double plane = mesh->height(t.apex) + to_left * (mesh->height(t.left) - mesh->height(t.apex)) +
                          to_right * (mesh->height(t.right) - mesh->height(t.apex));
@@ -398,13 +398,18 @@ void Terrain::Impl::emit(const KnownHeights& ground, const VertexDetail& detail)
   std::vector<std::int32_t> seen(mesh->vertices(), -1);
   std::vector<glm::vec3> normals(mesh->vertices());
   std::vector<float> road_m(mesh->vertices());
+  const LevellingOptions& l = options.levelling;
+  const double ditches_to = l.ditch_depth_m > 0 ? l.shoulder_m + l.ditch_width_m() : 0;
   for_each_index(normals.size(), [&](std::size_t v) {
-    const glm::dvec2 at(mesh->lattice(static_cast<std::uint32_t>(v))), east(1 << finer, 0), north(0, 1 << finer);
+    const glm::dvec2 at(mesh->lattice(static_cast<std::uint32_t>(v)));
+    const double edge = ground.ground().edge_distance_m(to_world(at), TerrainMesh::kVerge_m);
+    road_m[v] = static_cast<float>(std::min(edge, TerrainMesh::kVerge_m));
+    // As far to each side as the posts are apart there, in units of the lattice.
+    const int step = edge < ditches_to ? std::max(1 << finer >> 2, 1) : 1 << finer;
+    const glm::dvec2 east(step, 0), north(0, step);
     const glm::dvec2 slope(height_m(ground, at + east) - height_m(ground, at - east),
                            height_m(ground, at + north) - height_m(ground, at - north));
-    road_m[v] = static_cast<float>(
-        std::min(ground.ground().edge_distance_m(to_world(at), TerrainMesh::kVerge_m), TerrainMesh::kVerge_m));
-    normals[v] = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * post_m())));
+    normals[v] = glm::vec3(glm::normalize(glm::dvec3(-slope, 2 * step * unit_m)));
   });
   tell(0.9);
   const Bounds roads = bounds(ground.ground().index().network());
@@ -557,7 +562,8 @@ glm::dvec3 Terrain::normal(glm::dvec3 point_m) const {
                 : normal(glm::dvec2(point_m));
 }
 
-Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path) {
+Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path,
+                     VerticalDatum datum, const std::string& geoid) {
   if (!network.georeference) return Error{ErrorCode::kData, "a network without georeference has no place on the Earth"};
   if (!(post_m > 0)) return usage("the post distance must be positive");
   const LocalFrame frame(*network.georeference);
@@ -592,7 +598,7 @@ Status write_terrain(const Terrain& terrain, const Network& network, double post
       grid.at(column, row) = static_cast<float>(h);
     }
   }
-  return write_geotiff(grid, path);
+  return write_geotiff(grid, path, datum, geoid);
 }
 
 }  // namespace roadgen

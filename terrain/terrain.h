@@ -181,6 +181,8 @@ class Terrain {
 
 // The terrain's heights in the datum of the network, on a longitude/latitude grid with posts post_m apart, as GeoTIFF.
 // Errors: no georeference; more than 2^28 posts; not writable.
-Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path);
+// datum, geoid: what the heights are measured from, for the file to say.
+Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path,
+                     VerticalDatum datum = VerticalDatum::kUnknown, const std::string& geoid = {});
 
 }  // namespace roadgen

@@ -78,6 +78,13 @@ void declare(CLI::App& app, Options& o) {
                  "Elevation file: the roads' heights are fitted to its ground, those of the source forgotten");
   app.add_option("--dem-encoding", o.heights.encoding, "What its pixels are: heights, terrain-rgb or terrarium")
       ->capture_default_str();
+  app.add_option("--dem-datum", o.heights.datum, "What its heights are above: geoid, ellipsoid or file: what it says")
+      ->capture_default_str();
+  app.add_option("--road-datum", o.heights.road_datum,
+                 "With --heights: what the roads' heights shall be above: geoid, ellipsoid or file: the elevation's")
+      ->capture_default_str();
+  app.add_option("--geoid", o.heights.geoid_path,
+                 "Grid of geoid undulations: .gtx, GeoTIFF or .pgm. Default: what PROJ has");
   app.add_option("--max-grade", o.heights.fit.max_grade,
                  "With --heights: greatest grade, rise per length. Default: by the road's class, 0.06 to 0.2");
   app.add_option("--max-vertical-curvature", o.heights.fit.max_curvature_per_m,

@@ -11,7 +11,8 @@ namespace roadgen::cli {
 
 struct HeightRequest {
   std::string dem_path;  // empty: heights stay the source's
-  std::string encoding = "heights";
+  std::string encoding = "heights", datum = "file", road_datum = "file";
+  std::string geoid_path;
   HeightFitOptions fit;
 };
 

@@ -21,9 +21,12 @@ namespace roadgen::cli {
 
 void add_scene_options(CLI::App& app, SceneOptions& options) {
   app.add_option("NET", options.network_path, "OpenDRIVE file")->required();
-  app.add_option("--dem", options.dem_path,
+  app.add_option("--dem", options.dem.path,
                  "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid. Default: the roads' own heights");
-  app.add_option("--dem-encoding", options.dem_encoding, "What its pixels are: heights, terrain-rgb or terrarium")
+  add_elevation_options(app, options.dem);
+  add_levelling_options(app, options.levelling);
+  app.add_option("--max-triangles", options.max_triangles,
+                 "The ground gets coarser, but not under roads, until it has no more triangles")
       ->capture_default_str();
   app.add_option(
       "--ground-cache", options.ground_cache_path,
@@ -97,8 +100,6 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   Scene scene;
   const auto kind = context_kind_from_name(options.context);
   if (!kind) return kind.error();
-  const auto encoding = height_encoding_from_name(options.dem_encoding);
-  if (!encoding) return encoding.error();
   std::vector<MaterialPicture> textures;
   for (const std::string& text : options.ground_textures) {
     auto texture = read_texture(text);
@@ -128,13 +129,15 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
 
   Diagnostics diagnostics;
   std::optional<Elevation> elevation;
-  if (!options.dem_path.empty()) {
-    auto opened = Elevation::open(options.dem_path, &diagnostics, *encoding);
+  if (!options.dem.path.empty()) {
+    auto opened = open_elevation(options.dem, network, diagnostics);
     if (!opened) return opened.error();
     elevation.emplace(std::move(*opened));
   }
   ProgressLine progress;
   TerrainOptions terrain_options;
+  terrain_options.levelling = options.levelling;
+  terrain_options.max_triangles = options.max_triangles;
   terrain_options.progress = [&](double part) { progress.show(part, "terrain"); };
   const auto terrain = ground_of(options, network, elevation ? &*elevation : nullptr, terrain_options);
   progress.clear();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "roadgen/cli/ground.h"
 #include "roadgen/render/context.h"
 #include "roadgen/render/renderer.h"
 #include "roadgen/road/network.h"
@@ -18,11 +19,12 @@ namespace roadgen::cli {
 
 struct SceneOptions {
   std::string network_path;
-  std::string dem_path;  // empty: ground from the roads' own heights
-  std::string dem_encoding = "heights";
-  std::string ground_cache_path;  // empty: the ground is built every time
-  std::string props_path;         // a scene file of objects; empty: none
-  std::string environment_path;   // a panorama; empty: the procedural sky
+  ElevationRequest dem;  // no path: ground from the roads' own heights
+  LevellingOptions levelling;
+  std::size_t max_triangles = 400000;  // of the ground
+  std::string ground_cache_path;       // empty: the ground is built every time
+  std::string props_path;              // a scene file of objects; empty: none
+  std::string environment_path;        // a panorama; empty: the procedural sky
   std::vector<std::string> ground_textures;
   std::string context = "osmesa";
   int egl_device = -1;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "roadgen/cli/command.h"
+#include "roadgen/cli/ground.h"
 #include "roadgen/export/atomic_file.h"
 #include "roadgen/import/opendrive.h"
 #include "roadgen/query/road_index.h"
@@ -64,10 +65,12 @@ Json describe(const Elevation& elevation, const Network& network, const TerrainR
       {"deepest_cut_m", report.deepest_cut_m},
       {"highest_fill_m", report.highest_fill_m},
       {"voids_filled", report.voids_filled},
+      {"heights_above", elevation.datum() == VerticalDatum::kUnknown ? "as the roads" : name_of(elevation.datum())},
       {"vertical_datum", elevation.vertical_datum().empty() ? Json() : Json(elevation.vertical_datum())},
       {"triangles", report.triangles},
       {"vertices", report.vertices},
       {"tiles", report.tiles},
+      {"tolerance_factor", report.tolerance_factor},
       {"spacing_m", report.spacing_m},
       {"finest_spacing_m", report.finest_spacing_m},
       {"natural_spacing_m", report.natural_spacing_m},
@@ -86,12 +89,12 @@ int run_terrain(const Arguments& arguments) {
       "Tunnels "
       "keep the hill where it covers their vault by --cover; elsewhere they are cut open.",
       kName);
-  std::string dem_path, network_path, output, encoding_name = "heights";
+  ElevationRequest dem;
+  std::string network_path, output;
   TerrainOptions options;
   double post_m = 5;
-  app.add_option("DEM", dem_path, "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid")->required();
-  app.add_option("--dem-encoding", encoding_name, "What the pixels are: heights, terrain-rgb or terrarium")
-      ->capture_default_str();
+  app.add_option("DEM", dem.path, "Elevation: SRTM .hgt (also zipped), GeoTIFF or ASCII grid")->required();
+  add_elevation_options(app, dem);
   app.add_option("NET", network_path, "OpenDRIVE file")->required();
   app.add_option("-o,--output", output, "GeoTIFF of heights, longitude and latitude in WGS84; over tunnels the hill's");
   app.add_option("--post", post_m, "Distance of the GeoTIFF's posts, m")->capture_default_str();
@@ -101,23 +104,19 @@ int run_terrain(const Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--depth", options.most_clearance_m, "... and by at most this where the posts allow, m")
       ->capture_default_str();
-  app.add_option("--shoulder", options.levelling.shoulder_m, "Level strip beside the carriageway, m")
+  add_levelling_options(app, options.levelling);
+  app.add_option("--max-triangles", options.max_triangles,
+                 "The mesh gets coarser, but not under roads, until it has no more triangles")
       ->capture_default_str();
-  app.add_option("--cover", options.levelling.cover_m, "Least height of a hill over a tunnel's vault, m")
-      ->capture_default_str();
-  app.add_option("--cut-slope", options.levelling.cut_slope, "Steepest cutting, height / width")->capture_default_str();
-  app.add_option("--fill-slope", options.levelling.fill_slope, "Steepest embankment")->capture_default_str();
   if (const auto code = parse(app, arguments)) return *code;
   if (!output.empty()) {
     if (Status status = check_writable(output); !status) return fail(kName, status.error());
   }
 
-  const Result<HeightEncoding> encoding = height_encoding_from_name(encoding_name);
-  if (!encoding) return fail(kName, encoding.error());
   Diagnostics diagnostics;
   const Result<Network> network = read_opendrive(network_path, &diagnostics);
   if (!network) return fail(kName, network.error());
-  const Result<Elevation> elevation = Elevation::open(dem_path, &diagnostics, *encoding);
+  const Result<Elevation> elevation = open_elevation(dem, *network, diagnostics);
   print_diagnostics(diagnostics, "");
   if (!elevation) return fail(kName, elevation.error());
   // Between the two, so that neither bound is reached without need.
@@ -128,7 +127,10 @@ int run_terrain(const Arguments& arguments) {
   progress.clear();
   if (!terrain) return fail(kName, terrain.error());
   if (!output.empty()) {
-    if (Status status = write_terrain(*terrain, *network, post_m, output); !status) return fail(kName, status.error());
+    if (Status status =
+            write_terrain(*terrain, *network, post_m, output, elevation->datum(), elevation->vertical_datum());
+        !status)
+      return fail(kName, status.error());
   }
   if (Status status = put_out(describe(*elevation, *network, terrain->report(), options).dump(2) + "\n", ""); !status) {
     return fail(kName, status.error());

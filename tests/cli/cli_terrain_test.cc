@@ -118,6 +118,80 @@ TEST_F(TerrainCommand, CountsTunnelsAndKeepsTheirHill) {
   EXPECT_EQ(nlohmann::json::parse(open.out)["tunnel_parts"], 0);
 }
 
+// A straight level road in OpenDRIVE, from a place in a direction.
+std::string level_road(const std::string& id, double x, double y, double heading, double z) {
+  const auto text = [](double number) { return std::to_string(number); };
+  return "<road id=\"" + id + "\" length=\"120\" junction=\"-1\"><planView><geometry s=\"0\" x=\"" + text(x) +
+         "\" y=\"" + text(y) + "\" hdg=\"" + text(heading) +
+         "\" length=\"120\"><line/></geometry></planView><elevationProfile>" + "<elevation s=\"0\" a=\"" + text(z) +
+         "\" b=\"0\" c=\"0\" d=\"0\"/></elevationProfile><lanes><laneSection s=\"0\">" +
+         "<left><lane id=\"1\" type=\"driving\"><width sOffset=\"0\" a=\"3\" b=\"0\" c=\"0\" d=\"0\"/></lane></left>" +
+         "<center><lane id=\"0\" type=\"none\"/></center><right><lane id=\"-1\" type=\"driving\">" +
+         "<width sOffset=\"0\" a=\"3\" b=\"0\" c=\"0\" d=\"0\"/></lane></right></laneSection></lanes></road>\n";
+}
+
+// Two roads above one another and no bridge: the place and the roads are told, and no other ground lies deep.
+TEST_F(TerrainCommand, NamesRoadsAboveOneAnother) {
+  const std::string roads = folder_->put(
+      "over.xodr", "<?xml version=\"1.0\"?>\n<OpenDRIVE><header revMajor=\"1\" revMinor=\"7\"/>\n" +
+                       level_road("low", 0, 0, 0, 5) + level_road("high", 60, -60, 1.570796, 11) + "</OpenDRIVE>\n");
+  std::string grid = "ncols 61\nnrows 61\nxllcenter -200\nyllcenter -300\ncellsize 10\n";
+  for (int i = 0; i < 61 * 61; ++i) grid += i % 61 == 60 ? "5\n" : "5 ";
+  const Outcome run = test::roadgen({"terrain", folder_->put("flat.asc", grid), roads});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_GE(json["clearance_min_m"].get<double>(), 0.02);
+  ASSERT_EQ(json["overlap_places"], 1);
+  const auto& place = json["overlaps"][0];
+  EXPECT_NEAR(place["at"][0].get<double>(), 60, 6);
+  EXPECT_NEAR(place["at"][1].get<double>(), 0, 6);
+  EXPECT_NEAR(place["apart_m"].get<double>(), 6, 1);
+  EXPECT_EQ(place["roads"].size(), 2u) << place;
+  EXPECT_GT(json["over_other_roads_m2"].get<double>(), 20);
+  EXPECT_EQ(json["triangles_too_deep"], json["triangles_too_deep_by_overlap"]);
+  EXPECT_LT(json["too_deep_part"].get<double>(), 0.02);
+}
+
+// Heights above the geoid, roads above the ellipsoid: the ground is where the roads are, and the file says what it is above.
+TEST_F(TerrainCommand, ConvertsHeightsToTheRoadsDatum) {
+  std::string geoid = "ncols 21\nnrows 21\nxllcenter 7.5\nyllcenter 45.5\ncellsize 0.1\n";
+  for (int i = 0; i < 21 * 21; ++i) geoid += i % 21 == 20 ? "49.5\n" : "49.5 ";
+  const std::string path = folder_->put("geoid.asc", geoid), output = folder_->path("ellipsoid.tif");
+  const auto ground = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"terrain", kData + "pass_dem.tif", net(), "--margin", "150", "-o", output};
+    words.insert(words.end(), more.begin(), more.end());
+    return test::roadgen(words);
+  };
+  const Outcome plain = ground({}),
+                made = ground({"--dem-datum", "geoid", "--road-datum", "ellipsoid", "--geoid", path});
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_NE(made.err.find("49.50 to 49.50 m more"), std::string::npos) << made.err;
+  const auto before = nlohmann::json::parse(plain.out), after = nlohmann::json::parse(made.out);
+  EXPECT_EQ(before["heights_above"], "as the roads");
+  EXPECT_EQ(after["heights_above"], "ellipsoid");
+  EXPECT_NEAR(after["deepest_cut_m"].get<double>() - before["deepest_cut_m"].get<double>(), 49.5, 0.01);
+  EXPECT_EQ(Elevation::open(output)->datum(), VerticalDatum::kEllipsoid);
+  // The same for a road that is laid on the ground.
+  const std::string fitted = folder_->path("datum.xodr");
+  const Outcome laid = test::roadgen({"import", kData + "pass.csv", "-o", fitted, "--heights", kData + "pass_dem.tif",
+                                      "--dem-datum", "geoid", "--road-datum", "ellipsoid", "--geoid", path});
+  ASSERT_EQ(laid.code, 0) << laid.err;
+  const Outcome on = test::roadgen({"terrain", kData + "pass_dem.tif", fitted, "--margin", "150"});
+  ASSERT_EQ(on.code, 0) << on.err;
+  EXPECT_GT(nlohmann::json::parse(on.out)["highest_fill_m"].get<double>(), 45);
+
+  const std::string dem = kData + "pass_dem.tif";
+  expect_refused({dem, net(), "--dem-datum", "sea"}, 2, "expected file, geoid, ellipsoid or as-roads");
+  expect_refused({dem, net(), "--road-datum", "sea"}, 2, "expected file, geoid or ellipsoid");
+  const std::vector<std::string> up = {dem, net(), "--dem-datum", "geoid", "--road-datum", "ellipsoid", "--geoid"};
+  for (const auto& [file, words] : {std::pair(folder_->path("none.gtx"), "no such elevation file"),
+                                    {grid("far_geoid.asc", -70, 40, 40, "12"), "does not reach longitude"}}) {
+    std::vector<std::string> all = up;
+    all.push_back(file);
+    expect_refused(all, 1, words);
+  }
+}
+
 // The road's heights are fitted to the elevation: those of the source do not matter, and the limits hold.
 TEST_F(TerrainCommand, ImportFitsHeightsToTheElevation) {
   const std::string fitted = folder_->path("fitted.xodr"), report = folder_->path("fitted.json");
@@ -198,6 +272,16 @@ TEST_F(TerrainCommand, RefusesModelsThatCannotServe) {
   expect_refused({kData + "pass_dem.tif", net(), "--gap", "0.3", "--depth", "0.2"}, 2, "least clearance");
   expect_refused({kData + "pass_dem.tif", net(), "--cover", "-1"}, 2, "cover not negative");
   expect_refused({kData + "pass_dem.tif", net(), "--post", "0"}, 2, "post distance");
+  expect_refused({kData + "pass_dem.tif", net(), "--ditch-depth", "-0.5"}, 2, "a ditch's slopes");
+  expect_refused({kData + "pass_dem.tif", net(), "--ditch-depth", "0.5", "--ditch-inner-slope", "0"}, 2, "a ditch's");
+  // Half of the roads, metres without a system, and heights that overflowed.
+  expect_refused({grid("half.asc", 8.45, 46.48, 40, "12"), net()}, 1, "but the roads need");
+  expect_refused({folder_->put("metres.asc",
+                               "ncols 2\nnrows 2\nxllcorner 400000\nyllcorner 5000000\ncellsize 90000\n"
+                               "1 1\n1 1\n"),
+                  net()},
+                 1, "no coordinate system");
+  expect_refused({grid("overflow.asc", 10, 46, 40, "65525"), net()}, 1, "a number that overflowed");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // No ground shows through a road: pictures of the pass with its levelled terrain, looked at pixel by pixel.
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -12,6 +13,7 @@
 #include "roadgen/render/flight.h"
 #include "roadgen/render/renderer.h"
 #include "roadgen/render/shader_source.h"
+#include "terrain/natural.h"
 #include "terrain/terrain.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/joined_ground.h"
@@ -359,6 +361,42 @@ TEST_F(GroundTest, GroundThatIsNotLevelledIsFound) {
 
 // Pixels of roads that lie behind the ground are not evaluated: the picture is the same, bit for bit, where they are. Where
 // they are painted instead, before everything, they are there to be seen.
+// The contrast: the very same levelled ground, sampled at the posts of a grid, as games and simulators do it.
+TEST_F(GroundTest, GroundThatIsSampledAtPostsShowsThroughTheRoad) {
+  const Bounds b = bounds(network_);
+  const Rectangle area{glm::dvec2(b.low_m) - 60.0, glm::dvec2(b.high_m) + 60.0};
+  const Grid natural = natural_from_elevation(*elevation_, network_, area, 10);
+  const RoadIndex index(network_);
+  const Levelling ground(index, natural, {});
+  for (const double post_m : {8.0, 4.0}) {
+    // The cells about the road.
+    const glm::ivec2 posts(glm::ceil((area.high_m - area.low_m) / post_m));
+    TerrainMesh tile;
+    tile.origin_m = {area.low_m, 0};
+    std::map<std::pair<int, int>, std::uint32_t> known;
+    const auto vertex = [&](int x, int y) {
+      const auto [at, is_new] = known.emplace(std::pair(x, y), static_cast<std::uint32_t>(known.size()));
+      if (is_new) {
+        const glm::dvec2 place = post_m * glm::dvec2(x, y);
+        tile.positions_m.emplace_back(place, ground.height_m(area.low_m + place));
+        tile.normals.emplace_back(0, 0, 1);
+      }
+      return at->second;
+    };
+    for (int y = 0; y + 1 < posts.y; ++y) {
+      for (int x = 0; x + 1 < posts.x; ++x) {
+        if (ground.edge_distance_m(area.low_m + post_m * (glm::dvec2(x, y) + 0.5), 40) >= 40) continue;
+        const std::uint32_t a = vertex(x, y), b2 = vertex(x + 1, y), c = vertex(x + 1, y + 1), d = vertex(x, y + 1);
+        tile.triangles.insert(tile.triangles.end(), {a, b2, c, a, c, d});
+      }
+    }
+    const Counts counts = look({&tile, 1});
+    std::printf("posts of %.0f m: %zu of road, %zu of ground, %zu of ground through the road\n", post_m, counts.road,
+                counts.ground, counts.through);
+    EXPECT_GT(counts.through, 1000u);
+  }
+}
+
 TEST_F(GroundTest, RoadsBehindTheGroundMayBeLeftOut) {
   auto terrain = Terrain::build(network_, &*elevation_);
   ASSERT_TRUE(terrain.ok()) << terrain.error().text();

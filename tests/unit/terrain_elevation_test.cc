@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include <gdal_priv.h>
@@ -364,6 +365,17 @@ TEST(Elevation, AGeotiffIsReadBackAsWritten) {
   EXPECT_EQ(elevation->posts().values, grid.values);
   EXPECT_NEAR(glm::length(elevation->posts().origin_m - grid.origin_m), 0, 1e-12);
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+  // As GDAL has it: corners of pixels whose centres are the posts, the first row northernmost, on WGS84.
+  const std::unique_ptr<GDALDataset> raw(GDALDataset::Open(path.c_str()));
+  ASSERT_TRUE(raw);
+  double t[6];
+  ASSERT_EQ(raw->GetGeoTransform(t), CE_None);
+  const double wanted[6] = {8.25 - 0.0005, 0.001, 0, 46.5 + 4.5 * 0.0005, 0, -0.0005};
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(t[i], wanted[i], 1e-12) << i;
+  EXPECT_STREQ(raw->GetSpatialRef()->GetAuthorityCode(nullptr), "4326");
+  float corner = -1;
+  ASSERT_EQ(raw->GetRasterBand(1)->RasterIO(GF_Read, 0, 0, 1, 1, &corner, 1, 1, GDT_Float32, 0, 0), CE_None);
+  EXPECT_EQ(corner, 28.0f * 28.0f);  // of the north-western post
   EXPECT_FALSE(write_geotiff(grid, "/nowhere/at/all.tif"));
 }
 

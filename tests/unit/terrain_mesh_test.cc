@@ -230,6 +230,21 @@ TEST(Terrain, BetweenRoadsSideBySideStandsAWall) {
   }
 }
 
+// Nor does a bridge that stands lower take the ground from under a road beside it.
+TEST(Terrain, BetweenARoadAndALowerBridgeStandsAWall) {
+  Network network = stacked_legs(3, 1);
+  network.roads[0].bridges = {{.s_start_m = 0, .s_end_m = network.roads[0].length_m()}};
+  const auto terrain = Terrain::build(network, nullptr, small());
+  ASSERT_TRUE(terrain);
+  const TerrainReport& report = terrain->report();
+  EXPECT_EQ(report.bridge_parts, 1u);
+  EXPECT_GE(report.clearance_min_m, kLeast_m);
+  EXPECT_LE(report.clearance_max_m, kMost_m);
+  EXPECT_EQ(report.triangles_too_deep, 0u);
+  const glm::dvec3 deck = pose_at(network.roads[0], 150, 0).position_m;
+  EXPECT_LE(terrain->height_m(glm::dvec2(deck)), deck.z - kLeast_m);
+}
+
 TEST(Terrain, BetweenLegsThereAreRampsNotCliffs) {
   const Elevation elevation = rough_elevation(scratch_folder());
   const Network network = hairpin_network(0.08);
