@@ -90,6 +90,7 @@ void GroundBatch::upload(std::span<const TerrainMesh> tiles) {
   }
   if (tiles_.empty()) low_m_ = high_m_ = 0;
   statistics_.tiles = tiles_.size();
+  has_cuts_ = std::any_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return !tile.cuts.empty(); });
 }
 
 void GroundBatch::choose(Tile& tile) {

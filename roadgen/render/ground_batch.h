@@ -20,6 +20,7 @@ class GroundBatch {
   // Replaces the ground. Cost: O(triangles); 40 bytes a vertex and 12 a triangle on the GPU.
   void upload(std::span<const TerrainMesh> tiles);
   bool empty() const { return tiles_.empty(); }
+  bool has_cuts() const { return has_cuts_; }
   double low_m() const { return low_m_; }
   double high_m() const { return high_m_; }
   GroundStatistics statistics() const { return statistics_; }
@@ -58,6 +59,7 @@ class GroundBatch {
   Detail detail_;
   std::vector<std::uint32_t> triangles_;  // of a tile, as chosen
   double low_m_ = 0, high_m_ = 0;
+  bool has_cuts_ = false;
   GroundStatistics statistics_;
 };
 

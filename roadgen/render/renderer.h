@@ -116,8 +116,8 @@ enum class GroundMaterial { kGrass, kRock, kGravel };
 
 class Renderer {
  public:
-  // Compiles the programs. The context must outlive the renderer.
-  // Errors: kShader with file and line; kUsage: an option out of its range.
+  // Reads the programs' files; each program is compiled when a frame first needs it. The context must outlive the renderer.
+  // Errors: kIo, kShader with file and line; kUsage: an option out of its range.
   static Result<Renderer> create(Context& context, const RendererOptions& options = {});
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -146,7 +146,7 @@ class Renderer {
   RoadStatistics road_statistics() const;
   GroundStatistics ground_statistics() const;
 
-  // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
+  // Draws and reads back. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses, kShader.
   Result<Frame> render(const Camera& camera, const FrameOptions& options);
   // Draws into the framebuffer object `target` of the current context; 0 is a window's own. No read-back.
   // Errors: as render.
