@@ -386,6 +386,7 @@ Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& opt
     return Error{ErrorCode::kData, fault.message, fault.file, fault.line, fault.element};
   }
   if (Status s = state_->context.make_current(); !s) return s;
+  if (Status s = ObjectBatch::check_room(scene); !s) return s;
   State& state = *state_;
   SunGrid sun_grid;
   if (Status s = sun_grid.upload(options.shadows ? scene : ObjectScene{}); !s) return s;

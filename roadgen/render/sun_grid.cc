@@ -69,6 +69,9 @@ Status SunGrid::upload(const ObjectScene& scene) {
   const auto transmission = [&](std::uint32_t material) {
     return scene.materials.empty() ? 0.0f : scene.materials[material].transmission;
   };
+  std::size_t spheres = 0;
+  for (const SphereSet& set : scene.sphere_sets) spheres += transmission(set.material) > 0.5f ? 0 : set.items.size();
+  if (Status s = check_fits(std::max(7 * scene.objects.size(), spheres) * sizeof(glm::vec4)); !s) return s;
   // The middle of all that casts shadows.
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
   const auto include = [&](glm::dvec3 a, glm::dvec3 b) { low = glm::min(low, a), high = glm::max(high, b); };
@@ -112,7 +115,6 @@ Status SunGrid::upload(const ObjectScene& scene) {
       spheres_.emplace_back(glm::vec3(set.origin_m - origin_m_ + glm::dvec3(item.center)), item.radius);
     }
   }
-  if (Status s = check_fits(std::max(rows.size(), spheres_.size()) * sizeof(glm::vec4)); !s) return s;
   objects_ = buffer_of(rows);
   sphere_buffer_ = buffer_of(spheres_);
   for (const Primitive& p : primitives) kinds_ |= p.kind == PrimitiveKind::kTorus ? kTori : kQuadrics;
