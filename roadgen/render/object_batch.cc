@@ -34,6 +34,11 @@ struct MaterialInstance {
   glm::vec4 base, surface, specular, more;
 };
 
+// Two floats as unpackDouble2x32 takes them apart.
+double pair(double low, double high) {
+  return std::bit_cast<double>(std::array{static_cast<float>(low), static_cast<float>(high)});
+}
+
 float bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 
 ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t number, std::uint32_t material) {
@@ -42,7 +47,8 @@ ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t numbe
   ObjectInstance i;
   i.center = glm::dvec4(p.center_m, radius_m);
   for (int row = 0; row < 3; ++row) {
-    i.inverse[row] = glm::dvec4(inverse[0][row], inverse[1][row], inverse[2][row], 0);
+    i.inverse[row] =
+        glm::dvec4(inverse[0][row], inverse[1][row], inverse[2][row], pair(p.hull_low[row], p.hull_high[row]));
     i.axes[row] = glm::vec4(glm::vec3(p.axes[row]), 0);
   }
   i.axes[0].w = bits(number);
