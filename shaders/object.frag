@@ -88,6 +88,7 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
 
 // Which samples of the pixel the object covers: the surface is shaded once, its outline is taken at each of them.
 #if SAMPLES > 1
+layout(location = 2) uniform int sample_count;              // SAMPLES, unknown to compilers: they would write the loop out
 layout(location = 3) uniform vec2 sample_places[SAMPLES];  // from the pixel's centre
 #endif
 
@@ -100,7 +101,7 @@ void main() {
   int mask = 0;
   vec2 plane_x = dFdx(in_plane);
   vec2 plane_y = dFdy(in_plane);
-  for (int i = 0; i < SAMPLES; ++i) {
+  for (int i = 0; i < sample_count; ++i) {
     vec2 at = in_plane + plane_x * sample_places[i].x + plane_y * sample_places[i].y;
     if (NAME_INSIDE(at, shape) <= 0.0) mask |= 1 << i;
   }
@@ -122,7 +123,7 @@ void main() {
 #endif
 #if SAMPLES > 1
   int mask = 0;
-  for (int i = 0; i < SAMPLES; ++i) {
+  for (int i = 0; i < sample_count; ++i) {
     if ((gl_SampleMaskIn[0] & (1 << i)) == 0) continue;
     vec2 at = gl_FragCoord.xy + sample_places[i];
     ObjectRay other = ray_at(at, shape);

@@ -106,6 +106,12 @@ void main() {
   }
   vec3 q = sphere_circle(corner.x, corner.y, eye * inversesqrt(eye2), sqrt(eye2));
 #else
+#ifdef PROXY_HULL
+  for (int i = 0; i < 3; ++i) {
+    uvec2 hull = unpackDouble2x32(object.inverse[i].w);
+    corner[i] = mix(uintBitsToFloat(hull.x), uintBitsToFloat(hull.y), 0.5 + 0.5 * corner[i]);
+  }
+#endif
   vec3 q = NAME_PROXY(corner, shape);
 #endif
 #ifdef IN_PLANE

@@ -29,6 +29,7 @@ struct roadgen_network {
 struct roadgen_renderer {
   std::unique_ptr<roadgen::Context> context;
   std::optional<roadgen::Renderer> renderer;  // after the context: destroyed before it
+  std::optional<roadgen::Terrain> terrain;    // that objects beside roads stand on
   roadgen::Camera camera;
 };
 
@@ -220,6 +221,7 @@ roadgen_status roadgen_renderer_create(const roadgen_network* network, const cha
     made->renderer.emplace(std::move(*drawn_by));
     if (auto s = made->renderer->load_roads(network->network); !s) return fail(s.error());
     if (auto s = made->renderer->load_ground(terrain->ground()); !s) return fail(s.error());
+    made->terrain.emplace(std::move(*terrain));
     *renderer = made.release();
     return ROADGEN_OK;
   });
@@ -251,6 +253,7 @@ roadgen_status roadgen_set_props(roadgen_renderer* renderer, const roadgen_netwo
     if (!file.placements.empty()) {
       if (!network) return fail(ROADGEN_USAGE_ERROR, "network must not be NULL: objects stand on its roads");
       if (auto s = roadgen::place_on_roads(file.placements, network->index, file.scene); !s) return fail(s.error());
+      roadgen::stand_on_ground(file.placements, network->index, *renderer->terrain, file.scene);
     }
     if (auto s = renderer->renderer->load_objects(file.scene); !s) return fail(s.error());
     return ROADGEN_OK;

@@ -85,13 +85,12 @@ Result<Terrain> ground_of(const SceneOptions& options, const Network& network, c
 }
 
 // The objects of the scene file, those with a place on a road on it.
-Result<ObjectScene> read_props(const std::string& path, const Network& network) {
+Result<SceneFile> read_props(const std::string& path, const Network& network) {
   auto read = read_scene(path);
-  if (!read) return read.error();
-  if (!read->placements.empty()) {
+  if (read && !read->placements.empty()) {
     if (Status s = place_on_roads(read->placements, RoadIndex(network), read->scene); !s) return s.error();
   }
-  return std::move(read->scene);
+  return read;
 }
 
 }  // namespace
@@ -107,7 +106,7 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
     textures.push_back(std::move(*texture));
   }
   // Before the terrain, which takes longer and needs no context.
-  std::optional<ObjectScene> props;
+  std::optional<SceneFile> props;
   if (!options.props_path.empty()) {
     auto read = read_props(options.props_path, network);
     if (!read) return read.error();
@@ -153,7 +152,8 @@ Result<Scene> open_scene(const SceneOptions& options, const Network& network) {
   if (Status s = scene.renderer->load_roads(network); !s) return s.error();
   if (Status s = scene.renderer->load_ground(terrain->ground()); !s) return s.error();
   if (props) {
-    if (Status s = scene.renderer->load_objects(*props); !s) return s.error();
+    if (!props->placements.empty()) stand_on_ground(props->placements, RoadIndex(network), *terrain, props->scene);
+    if (Status s = scene.renderer->load_objects(props->scene); !s) return s.error();
   }
   if (panorama) {
     if (Status s = scene.renderer->load_environment(*panorama); !s) return s.error();

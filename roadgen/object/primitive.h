@@ -55,6 +55,8 @@ struct Primitive {
   glm::dvec3 center_m{0, 0, 0};
   glm::dmat3 axes{1.0};  // of positive determinant
   ObjectLib::ObjectShape shape{};
+  // Its hull is [-1, 1]^3 of these, through NAME_proxy: of a quadric the part of its box that it reaches.
+  glm::dvec3 hull_low{-1, -1, -1}, hull_high{1, 1, 1};
 };
 // Requires: an object that check() passes.
 Primitive primitive(const Object& object);

@@ -99,6 +99,8 @@ GroundBatch::GroundBatch(std::shared_ptr<const GroundSource> source, std::size_t
     statistics_.triangles += tile.triangle_count();
   }
   statistics_.tiles = tiles_.size();
+  const auto& sources = loader_->source().tiles();
+  has_cuts_ = std::any_of(sources.begin(), sources.end(), [](const GroundTile& tile) { return !tile.cuts.empty(); });
   if (tiles_.empty()) {
     low_m_ = high_m_ = 0;
     return;

@@ -46,6 +46,7 @@ class GroundBatch {
   // and indices; hollows and the tiles' places come to it.
   GroundBatch(std::shared_ptr<const GroundSource> source, std::size_t budget_bytes);
   bool empty() const { return tiles_.empty(); }
+  bool has_cuts() const { return has_cuts_; }
   double low_m() const { return low_m_; }
   double high_m() const { return high_m_; }
   const GroundStatistics& statistics() const { return statistics_; }
@@ -111,6 +112,7 @@ class GroundBatch {
   std::vector<std::uint32_t> indices_;  // of the batch at hand
   std::vector<std::uint32_t> chosen_;   // triangles of a tile
   double low_m_ = 0, high_m_ = 0;
+  bool has_cuts_ = false;
   GroundStatistics statistics_;
 };
 

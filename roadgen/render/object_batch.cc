@@ -34,6 +34,11 @@ struct MaterialInstance {
   glm::vec4 base, surface, specular, more;
 };
 
+// Two floats as unpackDouble2x32 takes them apart.
+double pair(double low, double high) {
+  return std::bit_cast<double>(std::array{static_cast<float>(low), static_cast<float>(high)});
+}
+
 float bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 
 ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t number, std::uint32_t material) {
@@ -42,7 +47,8 @@ ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t numbe
   ObjectInstance i;
   i.center = glm::dvec4(p.center_m, radius_m);
   for (int row = 0; row < 3; ++row) {
-    i.inverse[row] = glm::dvec4(inverse[0][row], inverse[1][row], inverse[2][row], 0);
+    i.inverse[row] =
+        glm::dvec4(inverse[0][row], inverse[1][row], inverse[2][row], pair(p.hull_low[row], p.hull_high[row]));
     i.axes[row] = glm::vec4(glm::vec3(p.axes[row]), 0);
   }
   i.axes[0].w = bits(number);
@@ -83,16 +89,34 @@ gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
   return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), flags);
 }
 
-Status check_fits(std::size_t bytes) {
+}  // namespace
+
+Status ObjectBatch::check_room(const ObjectScene& scene) {
   GLint most = 0;
   glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  if (bytes <= static_cast<std::size_t>(most)) return Done{};
-  return Error{ErrorCode::kData, "the objects of one kind take " + std::to_string(bytes >> 20) +
-                                     " MiB, more than this OpenGL driver's buffers of " + std::to_string(most >> 20) +
-                                     " MiB; split them into several sets"};
+  const std::string buffers = "more than this OpenGL driver's buffers of " + std::to_string(most >> 20) + " MiB hold";
+  std::array<std::size_t, 16> counts{};
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const PrimitiveKind kind = primitive(scene.objects[i]).kind;
+    if (++counts[static_cast<std::size_t>(kind)] * sizeof(ObjectInstance) <= static_cast<std::size_t>(most)) continue;
+    return Error{ErrorCode::kData,
+                 std::string("from here on the objects that are drawn as '") + primitive_row(kind).name + "' are " +
+                     buffers + "; many spheres are smaller in sets",
+                 {},
+                 0,
+                 "object " + std::to_string(i) + " (" + scene.objects[i].name + ")"};
+  }
+  for (std::size_t i = 0; i < scene.sphere_sets.size(); ++i) {
+    const std::size_t count = scene.sphere_sets[i].items.size();
+    if (count * sizeof(glm::vec4) <= static_cast<std::size_t>(most)) continue;
+    return Error{ErrorCode::kData,
+                 "its " + std::to_string(count) + " spheres are " + buffers + "; split it into several sets",
+                 {},
+                 0,
+                 "sphere set " + std::to_string(i) + " (" + scene.sphere_sets[i].name + ")"};
+  }
+  return Done{};
 }
-
-}  // namespace
 
 Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& options, unsigned shadow_kinds) {
   *this = {};
@@ -105,10 +129,9 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
   for (const PrimitiveRow& row : primitive_table()) {
     const auto& of_kind = members[static_cast<std::size_t>(row.kind)];
     if (of_kind.empty()) continue;
-    if (Status s = add_kind(row.kind, scene, of_kind); !s) return s;
+    add_kind(row.kind, scene, of_kind);
   }
-  if (Status s = spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options, shadow_kinds); !s)
-    return s;
+  spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options, shadow_kinds);
   statistics_.spheres = spheres_.spheres();
   if (empty()) return Done{};
   view_uniforms_ = gl::Buffer::with_data(sizeof(ViewUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -124,9 +147,8 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
   return Done{};
 }
 
-Status ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members) {
+void ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members) {
   const PrimitiveRow& row = primitive_row(kind);
-  if (Status s = check_fits(members.size() * sizeof(ObjectInstance)); !s) return s;
   std::vector<glm::dvec3> centers;
   for (const std::uint32_t i : members) centers.push_back(primitive(scene.objects[i]).center_m);
   std::vector<ObjectInstance> instances;
@@ -166,7 +188,6 @@ Status ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::
   glVertexArrayAttribBinding(array, 1, 1);
   statistics_.objects += made.count;
   kinds_.push_back(std::move(made));
-  return Done{};
 }
 
 Result<const Program*> ObjectBatch::program(const Kind& kind, const ObjectView& view) {
@@ -238,7 +259,10 @@ Status ObjectBatch::draw(const ObjectView& view) {
   for (const Kind& kind : kinds_) {
     const auto with = program(kind, view);
     if (!with) return with.error();
-    if (view.samples > 1) glProgramUniform2fv((*with)->id(), 3, view.samples, &samples[0].x);
+    if (view.samples > 1) {
+      glProgramUniform1i((*with)->id(), 2, view.samples);
+      glProgramUniform2fv((*with)->id(), 3, view.samples, &samples[0].x);
+    }
     draw_kind(kind, view, **with);
   }
   const Status status = spheres_.draw(view, samples);

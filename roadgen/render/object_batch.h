@@ -20,8 +20,10 @@ namespace roadgen {
 
 class ObjectBatch {
  public:
-  // Replaces the objects. shadow_kinds: SunGrid::kinds(). Requires: a scene that check() passes. Cost: O(n log n); 228 bytes an object; spheres: SphereBatch.
-  // Errors: kShader; kData: more than the driver's buffers hold.
+  // Errors: kData: the first object or set that the driver's buffers have no room for. Cost: O(n), no memory.
+  static Status check_room(const ObjectScene& scene);
+  // Replaces the objects. shadow_kinds: SunGrid::kinds(). Requires: a scene that check() and check_room pass. Cost: O(n log n); 228 bytes an object; spheres: SphereBatch.
+  // Errors: kShader; kIo, kData: of textures.
   Status upload(const ObjectScene& scene, const ObjectOptions& options, unsigned shadow_kinds);
   bool empty() const { return kinds_.empty() && spheres_.empty(); }
   const ObjectStatistics& statistics() const { return statistics_; }
@@ -40,7 +42,7 @@ class ObjectBatch {
     GLsizei element_count = 0;
     std::size_t count = 0;
   };
-  Status add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members);
+  void add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members);
   Result<const Program*> program(const Kind& kind, const ObjectView& view);
   void draw_kind(const Kind& kind, const ObjectView& view, const Program& program);
 

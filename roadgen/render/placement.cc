@@ -5,14 +5,24 @@
 #include <unordered_map>
 #include <vector>
 
+#include "roadgen/road/off_ground.h"
+
 namespace roadgen {
+
+namespace {
+
+std::unordered_map<std::string_view, std::uint32_t> roads_by_id(const std::vector<Road>& roads) {
+  std::unordered_map<std::string_view, std::uint32_t> by_id;
+  for (std::uint32_t i = 0; i < roads.size(); ++i) by_id.emplace(roads[i].id, i);
+  return by_id;
+}
+
+}  // namespace
 
 Status place_on_roads(std::span<const Placement> placements, const RoadIndex& index, ObjectScene& scene) {
   if (placements.empty()) return Done{};
   const std::vector<Road>& roads = index.network().roads;
-  std::unordered_map<std::string_view, std::uint32_t> by_id;
-  for (std::uint32_t i = 0; i < roads.size(); ++i) by_id.emplace(roads[i].id, i);
-
+  const auto by_id = roads_by_id(roads);
   std::vector<RoadPlace> places;
   places.reserve(placements.size());
   for (const Placement& placement : placements) {
@@ -41,6 +51,23 @@ Status place_on_roads(std::span<const Placement> placements, const RoadIndex& in
     }
   }
   return Done{};
+}
+
+void stand_on_ground(std::span<const Placement> placements, const RoadIndex& index, const Terrain& terrain,
+                     ObjectScene& scene) {
+  const std::vector<Road>& roads = index.network().roads;
+  const auto by_id = roads_by_id(roads);
+  for (const Placement& placement : placements) {
+    const std::uint32_t road = by_id.at(placement.road);
+    const glm::dvec3 at = index.to_world({road, placement.s_m, placement.t_m}).position_m;
+    if (is_off_ground(roads[road], placement.s_m) || index.to_road(glm::dvec2(at), 0)) continue;
+    const double down_m = at.z - terrain.height_m(glm::dvec2(at));
+    if (placement.kind == Placement::Kind::kObject) {
+      scene.objects[placement.index].transform[3].z -= down_m;
+    } else {
+      scene.sphere_sets[placement.index].origin_m.z -= down_m;
+    }
+  }
 }
 
 }  // namespace roadgen

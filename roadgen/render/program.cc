@@ -120,6 +120,31 @@ Result<Program> Program::graphics(const std::string& vertex_file, const std::str
   return create({.vertex = vertex_file, .fragment = fragment_file}, defines);
 }
 
+Result<LazyProgram> LazyProgram::graphics(const std::string& vertex_file, const std::string& fragment_file,
+                                          const ShaderDefines& defines) {
+  auto vertex = shader_source(vertex_file, defines);
+  if (!vertex) return vertex.error();
+  auto fragment = shader_source(fragment_file, defines);
+  if (!fragment) return fragment.error();
+  LazyProgram program;
+  program.label_ = vertex_file + "+" + fragment_file;
+  program.vertex_ = std::move(*vertex);
+  program.fragment_ = std::move(*fragment);
+  return program;
+}
+
+Status LazyProgram::need() {
+  if (program_.id() != 0) return Done{};
+  Shaders shaders;
+  if (Status s = compile(GL_VERTEX_SHADER, vertex_, shaders); !s) return s;
+  if (Status s = compile(GL_FRAGMENT_SHADER, fragment_, shaders); !s) return s;
+  auto linked = Program::link(shaders.ids, vertex_, label_);
+  if (!linked) return linked.error();
+  program_ = std::move(*linked);
+  vertex_ = fragment_ = {};
+  return Done{};
+}
+
 Result<Program> Program::compute(const std::string& compute_file, const ShaderDefines& defines) {
   return create({.compute = compute_file}, defines);
 }

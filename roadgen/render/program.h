@@ -73,12 +73,33 @@ class Program {
   void set(std::string_view name, std::span<const glm::mat4> x);
 
  private:
+  friend class LazyProgram;
   struct Uniforms;
   static Result<Program> link(std::span<const unsigned> shaders, const ShaderSource& first, const std::string& label);
   int location(std::string_view name) const;
 
   unsigned id_ = 0;
   std::unique_ptr<Uniforms> uniforms_;
+};
+
+// A graphics program whose files are read when it is made and which is compiled when it is first needed: of the many kinds
+// of programs that a renderer has, most pictures need few.
+class LazyProgram {
+ public:
+  LazyProgram() = default;
+  // Errors: kIo, kShader: a file is missing or its includes are malformed.
+  static Result<LazyProgram> graphics(const std::string& vertex_file, const std::string& fragment_file,
+                                      const ShaderDefines& defines = {});
+  // Compiles where that is not done yet. Errors: kShader, as Program::create.
+  Status need();
+  // Requires: need() succeeded.
+  const Program& operator*() const { return program_; }
+  const Program* operator->() const { return &program_; }
+
+ private:
+  std::string label_;
+  ShaderSource vertex_, fragment_;
+  Program program_;
 };
 
 }  // namespace roadgen

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -47,39 +48,39 @@ glm::dvec3 direction(double azimuth_deg, double elevation_deg) {
 
 // The programs of one kind of output.
 struct Programs {
-  Program ground, ground_at_tunnels;
-  std::array<Program, kRoadKinds> roads;
-  Program junction, sky, sweep;
+  LazyProgram ground, ground_at_tunnels;
+  std::array<LazyProgram, kRoadKinds> roads;
+  LazyProgram junction, sky, sweep;
 };
 
-Result<Programs> compile(const ShaderDefines& defines) {
-  ShaderDefines with_relief = defines;
-  with_relief.push_back({"RELIEF", ""});
-  auto ground = Program::graphics("terrain.vert", "terrain.frag", defines);
-  if (!ground) return ground.error();
-  ShaderDefines with_hollows = defines;
-  with_hollows.push_back({"HOLLOWS", ""});
-  auto ground_at_tunnels = Program::graphics("terrain.vert", "terrain.frag", with_hollows);
-  if (!ground_at_tunnels) return ground_at_tunnels.error();
-  auto planar = Program::graphics("road.vert", "road.frag", defines);
-  if (!planar) return planar.error();
-  auto relief = Program::graphics("road.vert", "road.frag", with_relief);
-  if (!relief) return relief.error();
-  with_relief.push_back({"DETAILED", ""});
-  auto detailed = Program::graphics("road.vert", "road.frag", with_relief);
-  if (!detailed) return detailed.error();
-  auto junction = Program::graphics("junction.vert", "junction.frag", defines);
-  if (!junction) return junction.error();
-  auto sky = Program::graphics("sky.vert", "sky.frag", defines);
-  if (!sky) return sky.error();
-  auto sweep = Program::graphics("sweep.vert", "sweep.frag", defines);
-  if (!sweep) return sweep.error();
-  return Programs{std::move(*ground),
-                  std::move(*ground_at_tunnels),
-                  {std::move(*planar), std::move(*relief), std::move(*detailed)},
-                  std::move(*junction),
-                  std::move(*sky),
-                  std::move(*sweep)};
+Result<Programs> read_programs(const ShaderDefines& defines) {
+  Programs made;
+  const auto with = [&](std::initializer_list<const char*> more) {
+    ShaderDefines all = defines;
+    for (const char* name : more) all.push_back({name, ""});
+    return all;
+  };
+  Status status = Done{};
+  const auto read = [&](LazyProgram& program, const std::string& vertex, const std::string& fragment,
+                        const ShaderDefines& all) {
+    if (!status) return;
+    auto files = LazyProgram::graphics(vertex, fragment, all);
+    if (files) {
+      program = std::move(*files);
+    } else {
+      status = files.error();
+    }
+  };
+  read(made.ground, "terrain.vert", "terrain.frag", defines);
+  read(made.ground_at_tunnels, "terrain.vert", "terrain.frag", with({"HOLLOWS"}));
+  read(made.roads[0], "road.vert", "road.frag", defines);
+  read(made.roads[1], "road.vert", "road.frag", with({"RELIEF"}));
+  read(made.roads[2], "road.vert", "road.frag", with({"RELIEF", "DETAILED"}));
+  read(made.junction, "junction.vert", "junction.frag", defines);
+  read(made.sky, "sky.vert", "sky.frag", defines);
+  read(made.sweep, "sweep.vert", "sweep.frag", defines);
+  if (!status) return status.error();
+  return made;
 }
 
 // The target of a size, made anew when the size changes.
@@ -138,8 +139,10 @@ struct Renderer::State {
   RenderTarget drawn, resolved, channels, ground_depth;
 
   void upload_frame(const Camera& camera, int width, int height);
+  // Compiles what a frame needs.
+  Status need(Programs& programs) const;
   // least_contribution and ground_error_pixels: as in RendererOptions; waits: for all ground to be read.
-  Status draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
+  Status draw_scene(Programs& programs, const Camera& camera, int width, int height, int samples,
                     double least_contribution, double ground_error_pixels, bool waits);
   Status draw_picture(const Camera& camera, int width, int height, int samples, bool waits);
   void show_ground_to_roads();
@@ -168,8 +171,24 @@ void Renderer::State::upload_frame(const Camera& camera, int width, int height) 
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_uniforms.id());
 }
 
-Status Renderer::State::draw_scene(const Programs& programs, const Camera& camera, int width, int height, int samples,
+Status Renderer::State::need(Programs& programs) const {
+  std::vector<LazyProgram*> needed = {&programs.sky};
+  if (!ground.empty()) needed.push_back(&programs.ground);
+  if (ground.has_cuts()) needed.push_back(&programs.ground_at_tunnels);
+  for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {
+    if (roads.has(kind)) needed.push_back(&programs.roads[kind]);
+  }
+  if (!junctions.empty()) needed.push_back(&programs.junction);
+  if (!sweeps.empty()) needed.push_back(&programs.sweep);
+  for (LazyProgram* program : needed) {
+    if (Status s = program->need(); !s) return s;
+  }
+  return Done{};
+}
+
+Status Renderer::State::draw_scene(Programs& programs, const Camera& camera, int width, int height, int samples,
                                    double least_contribution, double ground_error_pixels, bool waits) {
+  if (Status s = need(programs); !s) return s;
   upload_frame(camera, width, height);
   if (&programs == &picture) {
     if (Status s = light_objects(camera.position_m); !s) return s;
@@ -199,7 +218,9 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
                                   .pixel_rad = pixel,
                                   .nearest_drawn_m = camera.near_m * std::sqrt(1 + side * side + top * top),
                                   .may_see = may_see};
-  if (Status s = ground.draw(programs.ground, programs.ground_at_tunnels, ground_view); !s) return s;
+  if (!ground.empty()) {
+    if (Status s = ground.draw(*programs.ground, *programs.ground_at_tunnels, ground_view); !s) return s;
+  }
   if (&programs == &picture) show_ground_to_roads();
   const RenderTarget& target = &programs == &data ? channels : drawn;
   const ObjectView view = {
@@ -208,7 +229,7 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   if (blended) glEnable(GL_BLEND);
   glDepthFunc(GL_GEQUAL);
   glDepthMask(GL_FALSE);
-  (has_panorama && &programs == &picture ? panorama_sky : programs.sky).use();
+  (has_panorama && &programs == &picture ? panorama_sky : *programs.sky).use();
   glBindVertexArray(empty.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDepthMask(GL_TRUE);
@@ -218,13 +239,13 @@ Status Renderer::State::draw_scene(const Programs& programs, const Camera& camer
   if (!junctions.empty()) {
     glEnable(GL_CULL_FACE);
     glCullFace(GL_FRONT);
-    programs.junction.use();
+    programs.junction->use();
     junctions.draw();
     glDisable(GL_CULL_FACE);
   }
   roads.draw({camera, width, height, lighting.haze_range_m, least_contribution}, options.cull, programs.roads);
   // After the sky and the roads: thin cables fade over them.
-  sweeps.draw(programs.sweep, camera.position_m, may_see);
+  if (!sweeps.empty()) sweeps.draw(*programs.sweep, camera.position_m, may_see);
   glBindVertexArray(0);
   glUseProgram(0);
   return Done{};
@@ -254,7 +275,9 @@ void Renderer::State::show_ground_to_roads() {
                        drawn.height(), 1);
     glBindTextureUnit(samples == 1 ? 2 : 3, ground_depth.depth());
   }
-  for (const Program& program : picture.roads) glProgramUniform1i(program.id(), 0, samples);
+  for (const LazyProgram& program : picture.roads) {
+    if (program->id() != 0) glProgramUniform1i(program->id(), 0, samples);
+  }
 }
 
 Status Renderer::State::draw_picture(const Camera& camera, int width, int height, int samples, bool waits) {
@@ -318,9 +341,9 @@ Result<Renderer> Renderer::create(Context& context, const RendererOptions& optio
     return Error{ErrorCode::kUsage, "the error of the ground must be at least 0 pixels"};
   }
   if (Status s = context.make_current(); !s) return s.error();
-  auto picture = compile({});
+  auto picture = read_programs({});
   if (!picture) return picture.error();
-  auto data = compile({{"CHANNELS", ""}});
+  auto data = read_programs({{"CHANNELS", ""}});
   if (!data) return data.error();
   auto state = std::make_unique<State>(context, options, std::move(*picture), std::move(*data));
   state->frame_uniforms = gl::Buffer::with_data(sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -383,6 +406,7 @@ Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& opt
     return Error{ErrorCode::kData, fault.message, fault.file, fault.line, fault.element};
   }
   if (Status s = state_->context.make_current(); !s) return s;
+  if (Status s = ObjectBatch::check_room(scene); !s) return s;
   State& state = *state_;
   SunGrid sun_grid;
   if (Status s = sun_grid.upload(options.shadows ? scene : ObjectScene{}); !s) return s;
@@ -392,7 +416,7 @@ Status Renderer::load_objects(const ObjectScene& scene, const ObjectOptions& opt
   if (sun_grid.kinds() != state.shadow_kinds) {
     ShaderDefines defines;
     add_shadows(defines, sun_grid.kinds());
-    auto picture = compile(defines);
+    auto picture = read_programs(defines);
     if (!picture) return picture.error();
     state.picture = std::move(*picture);
     state.shadow_kinds = sun_grid.kinds();

@@ -120,8 +120,8 @@ enum class GroundMaterial { kGrass, kRock, kGravel };
 
 class Renderer {
  public:
-  // Compiles the programs. The context must outlive the renderer.
-  // Errors: kShader with file and line; kUsage: an option out of its range.
+  // Reads the programs' files; each program is compiled when a frame first needs it. The context must outlive the renderer.
+  // Errors: kIo, kShader with file and line; kUsage: an option out of its range.
   static Result<Renderer> create(Context& context, const RendererOptions& options = {});
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -153,7 +153,8 @@ class Renderer {
   RoadStatistics road_statistics() const;
   GroundStatistics ground_statistics() const;
 
-  // Draws and reads back; waits for all ground that the picture shows. Errors: kUsage for sizes or a camera out of range, kContext where the GPU refuses.
+  // Draws and reads back; waits for all ground that the picture shows. Errors: kUsage for sizes or a camera out of range,
+  // kContext where the GPU refuses, kShader.
   Result<Frame> render(const Camera& camera, const FrameOptions& options);
   // Draws into the framebuffer object `target` of the current context; 0 is a window's own. No read-back, and no waiting:
   // ground that still has to be read from a file is drawn coarser, without holes and never above a road.

@@ -84,7 +84,7 @@ RoadTiles::RoadTiles(RoadScene scene, std::size_t budget_bytes)
   scene_.sections = scene_.paint = {};
 }
 
-void RoadTiles::draw(const TileView& view, bool cull, const std::array<Program, kRoadKinds>& programs) {
+void RoadTiles::draw(const TileView& view, bool cull, const std::array<LazyProgram, kRoadKinds>& programs) {
   statistics_.drawn_segments = statistics_.batches = statistics_.uploaded_bytes = 0;
   if (scene_.tiles.empty()) return;
   if (cull) {
@@ -98,14 +98,14 @@ void RoadTiles::draw(const TileView& view, bool cull, const std::array<Program, 
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, paint_.id());
   glBindVertexArray(vertex_array_.id());
   for (std::size_t kind = 0; kind < kRoadKinds; ++kind) {
-    if (scene_.instances[kind].empty()) continue;
+    if (!has(kind)) continue;
     const bool is_box = kind != kPlanar;
     if (is_box) {
       // Back faces only: one ray per pixel, also with the eye inside the box.
       glEnable(GL_CULL_FACE);
       glCullFace(GL_FRONT);
     }
-    programs[kind].use();
+    programs[kind]->use();
     for (const std::uint32_t i : visible_) {
       const RoadTile::Range range = scene_.tiles[i].ranges[kind];
       add(scene_.instances[kind], first_page_[kind], range.first, range.count, is_box ? kBoxStrip : kQuadStrip);

@@ -32,7 +32,9 @@ class RoadTiles {
   RoadTiles(RoadScene scene, std::size_t budget_bytes);
 
   // Draws into the current framebuffer, with its blending and depth test. cull: false draws every tile.
-  void draw(const TileView& view, bool cull, const std::array<Program, kRoadKinds>& programs);
+  void draw(const TileView& view, bool cull, const std::array<LazyProgram, kRoadKinds>& programs);
+  // Whether there are roads of the kind, whose program draw needs.
+  bool has(std::size_t kind) const { return !scene_.instances[kind].empty(); }
   const RoadStatistics& statistics() const { return statistics_; }
 
  private:

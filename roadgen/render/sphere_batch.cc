@@ -35,34 +35,21 @@ gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
 
 }  // namespace
 
-Status SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
-                           unsigned shadow_kinds) {
+void SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
+                         unsigned shadow_kinds) {
   *this = {};
   options_ = options;
   shadow_kinds_ = shadow_kinds;
   for (const SphereSet& set : scene.sphere_sets) {
-    if (!set.items.empty()) {
-      if (Status s = add(scene, set, first_instance); !s) return s;
-    }
+    if (!set.items.empty()) add(scene, set, first_instance);
     first_instance += static_cast<std::uint32_t>(set.items.size());
   }
-  if (sets_.empty()) return Done{};
+  if (sets_.empty()) return;
   for (std::size_t i : {0, 1}) elements_[i] = buffer_of(polygon_elements(i == 0 ? 4 : corners_of(2), kDrawSpheres));
   array_ = gl::VertexArray::create();
-  return Done{};
 }
 
-Status SphereBatch::add(const ObjectScene& scene, const SphereSet& set, std::uint32_t first_instance) {
-  GLint most = 0;
-  glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  if (set.items.size() * sizeof(glm::vec4) > static_cast<std::size_t>(most)) {
-    return Error{ErrorCode::kData,
-                 "its " + std::to_string(set.items.size()) + " spheres are more than this OpenGL " +
-                     "driver's buffers of " + std::to_string(most >> 20) + " MiB hold; split it into several sets",
-                 {},
-                 0,
-                 "sphere set " + set.name};
-  }
+void SphereBatch::add(const ObjectScene& scene, const SphereSet& set, std::uint32_t first_instance) {
   std::vector<glm::dvec3> centers;
   for (const SphereSet::Item& item : set.items) centers.emplace_back(item.center);
   const std::vector<std::uint32_t> order = space_order(centers);
@@ -90,7 +77,6 @@ Status SphereBatch::add(const ObjectScene& scene, const SphereSet& set, std::uin
   made.parts = material_parts(scene, set.material);
   spheres_ += made.data.size();
   sets_.push_back(std::move(made));
-  return Done{};
 }
 
 Result<const SphereBatch::IndexPrograms*> SphereBatch::index_programs(int samples) {

@@ -24,9 +24,9 @@ namespace roadgen {
 class SphereBatch {
  public:
   // Replaces the sets. first_instance: number of the first sphere; shadow_kinds: SunGrid::kinds(). Cost: O(n log n); 28 bytes a sphere on the GPU, 16 on
-  // the CPU. Errors: kData: a set is larger than the driver's buffers.
-  Status upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
-                unsigned shadow_kinds);
+  // the CPU.
+  void upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
+              unsigned shadow_kinds);
   bool empty() const { return sets_.empty(); }
   std::size_t spheres() const { return spheres_; }
   std::size_t drawn() const { return drawn_; }  // in the last frame
@@ -57,7 +57,7 @@ class SphereBatch {
     bool near;       // some are near
     Program program;
   };
-  Status add(const ObjectScene& scene, const SphereSet& set, std::uint32_t first_instance);
+  void add(const ObjectScene& scene, const SphereSet& set, std::uint32_t first_instance);
   Result<const IndexPrograms*> index_programs(int samples);
   Result<const Program*> light_program(const ObjectView& view, unsigned parts, bool near);
   Status ensure_target(const ObjectView& view);

@@ -1,6 +1,7 @@
 #include "roadgen/render/sun_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -12,14 +13,31 @@
 #include <glm/vec4.hpp>
 
 #include "roadgen/object/primitive.h"
+#include "roadgen/render/sun_shape.h"
 
 namespace roadgen {
 namespace {
 
+constexpr int kRays = 16;
 struct GridUniforms {
   glm::vec4 across, along, eye;
   glm::ivec4 grid;
+  std::array<glm::vec4, kRays> rays;
 };
+// As shaders/shadows.glsl has it: the bits of SUN_KINDS, and the tangent of the sun's radius.
+constexpr unsigned kSpheres = 1, kQuadrics = 2, kTori = 4;
+constexpr double kDisc = 0.00465;
+
+// Even over two discs, by angles of which neither follows the other.
+std::array<glm::vec4, kRays> disc_rays() {
+  std::array<glm::vec4, kRays> rays;
+  for (int i = 0; i < kRays; ++i) {
+    const double turn = 2.39996323 * i, out = std::sqrt((i + 0.5) / kRays);
+    rays[static_cast<std::size_t>(i)] = glm::dvec4(out * std::cos(turn), out * std::sin(turn),
+                                                   kDisc * out * std::cos(2 * turn), kDisc * out * std::sin(2 * turn));
+  }
+  return rays;
+}
 
 constexpr std::uint32_t kSphere = 0x80000000u;
 // Cells for each object, and how many there are at most; entries of all lists at most.
@@ -51,6 +69,9 @@ Status SunGrid::upload(const ObjectScene& scene) {
   const auto transmission = [&](std::uint32_t material) {
     return scene.materials.empty() ? 0.0f : scene.materials[material].transmission;
   };
+  std::size_t spheres = 0;
+  for (const SphereSet& set : scene.sphere_sets) spheres += transmission(set.material) > 0.5f ? 0 : set.items.size();
+  if (Status s = check_fits(std::max(7 * scene.objects.size(), spheres) * sizeof(glm::vec4)); !s) return s;
   // The middle of all that casts shadows.
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
   const auto include = [&](glm::dvec3 a, glm::dvec3 b) { low = glm::min(low, a), high = glm::max(high, b); };
@@ -74,13 +95,13 @@ Status SunGrid::upload(const ObjectScene& scene) {
   std::vector<glm::vec4> rows;
   rows.reserve(7 * primitives.size());
   for (std::size_t i = 0; i < primitives.size(); ++i) {
-    const Primitive& p = primitives[i];
+    const SunShape p = sun_shape(primitives[i]);
     const glm::dmat3 inverse = glm::transpose(glm::inverse(p.axes));
     const glm::dvec3 reach = glm::max(all_bounds[i].high_m - p.center_m, p.center_m - all_bounds[i].low_m);
     const ObjectLib::ObjectShape& s = p.shape;
     const double opacity = 1 - static_cast<double>(transmission(scene.objects[i].material));
     rows.emplace_back(glm::dvec4(p.center_m - origin_m_, glm::length(reach)));
-    rows.emplace_back(glm::dvec4(inverse[0], static_cast<double>(p.kind)));
+    rows.emplace_back(glm::dvec4(inverse[0], p.torus ? 1 : 0));
     rows.emplace_back(glm::dvec4(inverse[1], opacity));
     rows.emplace_back(glm::dvec4(inverse[2], 0));
     rows.emplace_back(glm::dvec4(s.p0, s.p1, s.p2, s.p3));
@@ -94,11 +115,10 @@ Status SunGrid::upload(const ObjectScene& scene) {
       spheres_.emplace_back(glm::vec3(set.origin_m - origin_m_ + glm::dvec3(item.center)), item.radius);
     }
   }
-  if (Status s = check_fits(std::max(rows.size(), spheres_.size()) * sizeof(glm::vec4)); !s) return s;
   objects_ = buffer_of(rows);
   sphere_buffer_ = buffer_of(spheres_);
-  for (const Primitive& p : primitives) kinds_ |= 1u << static_cast<unsigned>(p.kind);
-  if (!spheres_.empty()) kinds_ |= 1u << static_cast<unsigned>(PrimitiveKind::kSphere);
+  for (const Primitive& p : primitives) kinds_ |= p.kind == PrimitiveKind::kTorus ? kTori : kQuadrics;
+  if (!spheres_.empty()) kinds_ |= kSpheres;
   uniforms_ = gl::Buffer::with_data(sizeof(GridUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
   return Done{};
 }
@@ -186,7 +206,7 @@ Status SunGrid::bind(glm::dvec3 toward_sun, glm::dvec3 eye_m) {
   const glm::dvec3 eye = eye_m - origin_m_;
   const GridUniforms u = {glm::dvec4(across_, glm::dot(across_, eye) - corner_m_.x),
                           glm::dvec4(along_, glm::dot(along_, eye) - corner_m_.y), glm::dvec4(eye, 1 / cell_m_),
-                          glm::ivec4(columns_, rows_, 0, 0)};
+                          glm::ivec4(columns_, rows_, 0, 0), disc_rays()};
   glNamedBufferSubData(uniforms_.id(), 0, sizeof u, &u);
   glBindBufferBase(GL_UNIFORM_BUFFER, 3, uniforms_.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, cells_.id());

@@ -27,7 +27,7 @@ class SunGrid {
   // cast none. Cost: O(n); 128 bytes an object, 32 a sphere. Errors: kData: more than the driver's buffers hold.
   Status upload(const ObjectScene& scene);
   bool empty() const { return kinds_ == 0; }
-  // Of SUN_KINDS, which programs must be compiled with: bits of the kinds of primitives that cast shadows.
+  // Of SUN_KINDS, which programs must be compiled with: what casts shadows.
   unsigned kinds() const { return kinds_; }
 
   // Binds the uniform block SunGrid (3) and the buffers 7 to 9 for a frame, after sorting the objects anew where the sun

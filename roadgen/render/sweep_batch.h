@@ -20,6 +20,8 @@ class SweepBatch {
   // lies behind. Requires: depth test on, the frame's uniforms bound. Cost: a sort of the pieces seen.
   void draw(const Program& program, glm::dvec3 eye_m, const std::function<bool(glm::dvec3, double)>& may_see);
 
+ bool empty() const { return balls_.empty(); }
+
  private:
   struct Ball {
     glm::dvec3 center_m;

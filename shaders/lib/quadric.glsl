@@ -87,6 +87,28 @@ FN ObjectHits quadric_hits(IN(vec3) o, IN(vec3) d, IN(float) at_o, IN(ObjectShap
   return quadric_in_box(vec2(k1, k2), 0, 0, a >= 0.0, box, s);
 }
 
+// The last k of quadric_hits, or -OBJECT_FAR, without a list of them: for rays that only ask what is in their way.
+FN float quadric_last(IN(vec3) o, IN(vec3) d, IN(ObjectShape) s) {
+  ObjectSpan box = quadric_box(o, d);
+  if (!(box.from < box.to)) return -float(OBJECT_FAR);
+  bool solid = (s.flags & OBJECT_SOLID) != 0;
+  float a = quadric_form(d, s);
+  float b = 0.5 * dot(quadric_slope(o, s), d);
+  float at_o = quadric_value(o, s);
+  float discriminant = b * b - a * at_o;
+  if (!(discriminant >= 0.0)) return solid && a < 0.0 ? box.to : -float(OBJECT_FAR);
+  vec2 k = object_roots(a, b, at_o, sqrt(discriminant));
+  if (solid && a >= 0.0) {
+    float to = min(box.to, k.y);
+    return to > max(box.from, k.x) ? to : -float(OBJECT_FAR);
+  }
+  // Inside of a solid around the roots; an open one is the roots.
+  if (solid && box.to > k.y) return box.to;
+  if (k.y >= box.from && k.y <= box.to) return k.y;
+  if (solid && box.to < k.x) return box.to;
+  return k.x >= box.from && k.x <= box.to ? k.x : -float(OBJECT_FAR);
+}
+
 FN vec3 quadric_normal(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   if (face == 0) return quadric_slope(p, s);
   // Outward of the product's inside: along the plane's normal where the other plane is above 0.

@@ -12,6 +12,7 @@
 
 #include "roadgen/render/environment.h"
 #include "roadgen/render/panorama.h"
+#include "roadgen/render/renderer.h"
 #include "shaders/lib/glsl.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/temporary_folder.h"
@@ -134,6 +135,38 @@ TEST_F(EnvironmentGl, LevelsAreMeansOverTheLobe) {
     EXPECT_LT(greatest, 0.06) << level;  // of up to 3.3
     EXPECT_GT(greatest, 0) << level;
   }
+}
+
+// The picture's sky is the panorama, tone-mapped, in every direction.
+TEST_F(EnvironmentGl, APanoramaIsTheSky) {
+  auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa));
+  ASSERT_TRUE(renderer.ok());
+  ASSERT_TRUE(renderer->load_environment(panorama_of(hills, 256)).ok());
+  constexpr int kSide = 48;
+  double most = 0, brightest = 0;
+  for (const double yaw : {0.0, 100.0, 180.0, 300.0}) {
+    Camera camera;
+    camera.yaw_deg = yaw;
+    camera.pitch_deg = yaw / 10 - 10;
+    camera.fov_deg = 25;
+    const auto frame = renderer->render(camera, {.width = kSide, .height = kSide, .samples = 1});
+    ASSERT_TRUE(frame.ok());
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        const glm::dvec3 light = hills(glm::normalize(pixel_ray(camera, kSide, kSide, x, y)));
+        for (int i = 0; i < 3; ++i) {
+          const double linear = Lib::sky_tone(light[i]);
+          const double shown = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+          most = std::max(most, std::abs(frame->color.at(x, y, i) - 255 * shown));
+          brightest = std::max(brightest, shown);
+        }
+      }
+    }
+  }
+  std::printf("a panorama as the sky: off by at most %.1f / 255\n", most);
+  EXPECT_GT(brightest, 0.9);
+  // Texels of the cube are 0.012 rad wide, over which the lobes bend.
+  EXPECT_LT(most, 4);
 }
 
 TEST(Environment, SplitSumIsTheIntegralOfTheBrdf) {

@@ -282,6 +282,29 @@ TEST_F(ObjectScenes, BadOnesAreRefusedByNameAndTheRestStaysDrawn) {
   EXPECT_EQ(frame(camera_at({0, 0, 0})).instance.pixels, std::vector<std::uint32_t>(kSize * kSize, 0));
 }
 
+// Before anything is made of them.
+TEST_F(ObjectScenes, MoreThanTheDriverHoldsAreRefusedByName) {
+  ObjectScene scene = cloud({0, 0, 0}, 10);
+  load(scene);
+  ObjectScene many;
+  many.sphere_sets.resize(2);
+  many.sphere_sets[0].items.push_back({{0, 0, 0}, 1});
+  many.sphere_sets[1].name = "dust";
+  many.sphere_sets[1].items.resize(10'000'000, {{0, 0, 0}, 1});
+  Status refused = renderer_->load_objects(many);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().text().find("sphere set 1 (dust): its 10000000 spheres are more than"), std::string::npos)
+      << refused.error().text();
+  many.sphere_sets.clear();
+  many.objects.resize(700'000, {.name = "crate", .shape = Parallelepiped{}});
+  refused = renderer_->load_objects(many);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().text().find("(crate): from here on the objects that are drawn as 'box' are more than"),
+            std::string::npos)
+      << refused.error().text();
+  EXPECT_EQ(renderer_->object_statistics().spheres, 10u);
+}
+
 // What is at the limits of the numbers leaves no pixel that is none.
 TEST_F(ObjectScenes, ExtremesMakeFinitePixels) {
   ShapeRandom random(13);

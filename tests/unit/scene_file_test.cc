@@ -260,6 +260,33 @@ TEST(SceneFile, ObjectsStandOnTheirRoads) {
   }
 }
 
+// Beside the road the ground counts, on it and beside its bridge the road.
+TEST(SceneFile, ObjectsBesideRoadsStandOnTheGround) {
+  Network network;
+  network.roads.push_back(testing::road_along(
+      "level", 400, 20, 4,
+      [](double s) {
+        return testing::straight({0, 0}, 0, s);
+      },
+      [](double) { return 30.0; }));
+  network.roads[0].bridges.push_back({.s_start_m = 300, .s_end_m = 350});
+  const auto terrain = Terrain::build(network, nullptr);
+  ASSERT_TRUE(terrain.ok()) << terrain.error().text();
+  const RoadIndex index(network);
+  SceneFile file = read(scene_of(R"(
+    {"type": "sphere", "center": [0, 0, 0], "radius": 1, "place": {"road": "level", "s": 100, "t": 3}},
+    {"type": "sphere", "center": [0, 0, 0], "radius": 1, "place": {"road": "level", "s": 100, "t": 90, "h": 0.5}},
+    {"type": "sphere", "center": [0, 0, 0], "radius": 1, "place": {"road": "level", "s": 320, "t": 90}})"));
+  ASSERT_TRUE(place_on_roads(file.placements, index, file.scene).ok());
+  stand_on_ground(file.placements, index, *terrain, file.scene);
+  const auto& objects = file.scene.objects;
+  EXPECT_NEAR(objects[0].transform[3].z, 30, 1e-9);
+  const double ground_m = terrain->height_m({100, 90});
+  EXPECT_GT(std::abs(ground_m - 30), 0.05);  // else this says nothing
+  EXPECT_NEAR(objects[1].transform[3].z, ground_m + 0.5, 1e-9);
+  EXPECT_NEAR(objects[2].transform[3].z, 30, 1e-9);
+}
+
 TEST(PointCloud, XyzrHasPositionsRadiiAndColoursByElement) {
   const auto set = parse_point_cloud("# a comment\n1 2 3 1.5 C\r\n\n5 2 3 0.5 Xx\n3 8 3 1\n", "a.xyzr");
   ASSERT_TRUE(set.ok()) << set.error().text();
