@@ -149,7 +149,14 @@ void main() {
   point = local;
   RoadSurface r = road_surface();
   float side = chord * max(-in_box.x, in_box.y);
-  extent = vec3(surface_most_bend(side, r), dot(abs(left + right_fall), vec2(3.0)), side);
+  // The box holds the road on both sides of its bend: what it leaves beyond that is the road's half width, or where the road
+  // runs at a slope to the chord the part of it that stands on the chord.
+  vec3 bow = vec3(road_f(0.25, a, b), road_f(0.5, a, b), road_f(0.75, a, b));
+  float bow_low = min(min(bow.x, 0.0), min(bow.y, bow.z));
+  float bow_high = max(max(bow.x, 0.0), max(bow.y, bow.z));
+  float slope = max(abs(a), abs(b));
+  float half_width = chord * max(bow_low - in_box.x, in_box.y - bow_high) * sqrt(1.0 + slope * slope);
+  extent = vec3(surface_most_bend(side, r), dot(abs(left + right_fall), vec2(3.0)), half_width);
   eye = vec3(-dot(start.xy, axis), start.x * axis.y - start.y * axis.x, -start.z);
 #else
   vec3 local = vec3(x * chord, y * chord, rise * x);

@@ -12,8 +12,8 @@ flat PASS vec4 superelevation;
 flat PASS vec4 crossfall;   // left at the start and its slope, right
 flat PASS vec4 box;
 flat PASS vec3 eye;         // in chord axes, metres from the start anchor
-flat PASS vec3 extent;      // the most that the surface bends along a line, 1/m; its fold at the reference line; its
-                            // greatest distance from that, m
+flat PASS vec3 extent;      // the most that the surface bends along a line, 1/m; its fold at the reference line; what no
+                            // part of the road is farther than from that, m
 PASS vec3 point;            // likewise
 #else
 PASS vec2 chord_point;      // x, y in the chord frame
