@@ -28,7 +28,7 @@ std::uint32_t GroundLoader::loaded(std::size_t tile) const { return loaded_[tile
 
 std::size_t GroundLoader::loaded_bytes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return bytes_;
+  return bytes_ + reading_bytes_;
 }
 
 void GroundLoader::set_loaded(std::size_t tile, std::uint32_t bands) {
@@ -106,9 +106,12 @@ void GroundLoader::run() {
     if (ends_) return;
     // Band by band, so that each is seen as soon as it is there, and new wishes are heard.
     const std::uint32_t have = loaded(wish->tile);
+    const GroundTile& tile = source_->tiles()[wish->tile];
+    reading_bytes_ = tile.bytes(have + 1) - tile.bytes(have);
     lock.unlock();
     const Status read = source_->load(wish->tile, have, have + 1);
     lock.lock();
+    reading_bytes_ = 0;
     if (!read) {
       failed_ = read;
       wishes_.clear();

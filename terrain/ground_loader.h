@@ -26,7 +26,7 @@ class GroundLoader {
   const GroundSource& source() const { return *source_; }
   // How many bands of a tile may be read without waiting.
   std::uint32_t loaded(std::size_t tile) const;
-  std::size_t loaded_bytes() const;  // of all tiles; 0 of a source in memory
+  std::size_t loaded_bytes() const;  // of all tiles, and on their way; 0 of a source in memory
   // Loads them here and now. Errors: the source's.
   Status load(std::size_t tile, std::uint32_t bands);
   void release(std::size_t tile);
@@ -49,7 +49,7 @@ class GroundLoader {
   std::vector<std::atomic<std::uint32_t>> loaded_;  // written under the mutex
   mutable std::mutex mutex_;                        // of all below
   std::condition_variable wished_;
-  std::size_t bytes_ = 0, most_bytes_ = 0;  // loaded; that the thread may come to
+  std::size_t bytes_ = 0, reading_bytes_ = 0, most_bytes_ = 0;  // loaded; by the thread now; that it may come to
   std::vector<Wish> wishes_;
   Status failed_ = Done{};
   bool ends_ = false;

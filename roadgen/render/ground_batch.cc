@@ -32,7 +32,7 @@ HollowInstance instance(const Hollow& hollow, glm::dvec3 origin_m) {
           glm::dvec4(p.profile.p0, p.profile.p1, p.profile.p2, 0)};
 }
 
-constexpr std::uint32_t kPageVertices = 256;
+constexpr std::uint32_t kPageVertices = 32;  // few: a far tile has some ten
 struct Vertex {
   glm::vec3 position_m, normal;
   float road_m;

@@ -204,7 +204,8 @@ struct RoadSearch {
 // tangents (bend: a bound of |surface_bend|, which tells how far they serve). Where the bend leaves no room for the ray to
 // meet the surface between k_first and there, or proves that it misses, that is the end of it. Else it is followed from
 // k_first in steps that cannot pass over a meeting (surface_free: Newton's, shortened by the bend), to the first one
-// within limit (m) of the reference line or to k_last. Then, if asked to look (1; 2: also for rays that can come nearest
+// within limit (m) of the reference line or to k_last. What runs along the surface for so long that the steps do not
+// suffice meets it where Newton's method finds it from there, the first time or, if it dips, a later one. Then, if asked to look (1; 2: also for rays that can come nearest
 // at the ends alone), what it does in [k_first, k_last]: for one that comes out of the surface, how it stands at k_first;
 // for one that misses, where it comes nearest, by false position on the change of its height, an end that stays twice
 // halved (Illinois). All in one loop, so that no pixel pays for steps that none of its neighbours needs, and with one text
@@ -213,6 +214,7 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
                              IN(float) k_low, IN(float) k_high, IN(float) tolerance, IN(float) bend,
                              IN(float) limit, IN(int) look, IN(float) k_first, IN(float) k_last, IN(RoadSurface) r) {
   const int kNewton = 0, kFirst = 1, kFollow = 2, kLast = 3, kNearest = 4;
+  const int kHurry = 16;  // of the steps that follow a ray, the last
   RoadSearch search;
   search.met = search.crest = false;
   search.above = search.before = search.climb = search.over_v = float(0.0);
@@ -235,10 +237,15 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
   bool known = false;       // how the ray stands at k_first
   bool gone = false;        // that it misses
   bool aside = false;       // it has met the surface, but beyond the limit
+  float reach = k_low;      // where Newton's method has ended
+  float reached = float(0.0);  // and the height above the surface there
+  bool between = false;     // there is a meeting between low and high
+  bool lands = false;       // a part of the ray was left out before this step
+  bool leapt = false;       // and that was beside the road
   int task = kNewton;
   int left = 7;      // steps left for it
   bool jump = true;  // to a k that the last one does not lead to
-  for (int i = 0; i < 64; ++i) {
+  for (int i = 0; i < 80; ++i) {
     float to = clamp(k, low, high);
     float guess = clamp(hit.u + (to - hit.k) * hit.du, float(0.0), float(1.0));
     if (jump) guess = surface_guess(x + to * dx, y + to * dy, r);
@@ -284,6 +291,8 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
         }
         if (!done) {
           done = !(k_first <= k_last);
+          reach = hit.k;
+          reached = close ? float(0.0) : above;
           task = kFirst;
           low = k_first;
           high = k_last;
@@ -308,17 +317,45 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
       left = 40;
       k = gone ? k_last : hit.k + surface_free(abs(above), side * climb, above < 0.0 ? rises : falls);
     } else if (task == kFollow) {
+      if (lands) side = above < 0.0 ? float(-1.0) : float(1.0);
+      lands = false;
+      // How far the ray has still to go beside the road, and to the edge where it leaves it.
+      float comes = hit.v > 0.0 ? -hit.dv : hit.dv;
+      float inward = comes > 1e-9 ? max(abs(hit.v) - limit / r.chord, float(0.0)) / comes : float(0.0);
+      float across = (limit / r.chord + (comes > 0.0 ? abs(hit.v) : -abs(hit.v))) / max(abs(comes), float(1e-9));
       if (close) {
-        bool off = r.chord * abs(hit.v) > limit && hit.k < k_last;
+        bool off = r.chord * abs(hit.v) > limit;
+        done = !off || hit.k >= k_last || left <= 0;
+        // On from there on the side that the ray comes to, and by so much that what grazes is not met again and again.
+        side = climb < 0.0 ? float(-1.0) : float(1.0);
+        low = hit.k;
+        high = k_last;
+        between = false;
+        lands = leapt = true;
+        k = hit.k + max(surface_free(tolerance, abs(climb), side < 0.0 ? rises : falls), 0.9 * inward);
         if (off && !aside) {
-          aside = true;
           other = hit;
-          side = -side;
-          high = k_last;
-          k = hit.k + surface_free(float(0.0), abs(climb), side < 0.0 ? rises : falls);
+          left = max(left, 30);
+        }
+        if (off && aside && done) hit = other;
+        aside = aside || off;
+      } else if (left <= kHurry && left > 0 && (hit.k < k_last || side * above < 0.0)) {
+        // Steps run out: by Newton's method, within what is known. First over what lies beside the road.
+        if (side * above < 0.0) {
+          high = hit.k;
+          between = true;
         } else {
-          done = true;
-          if (off) hit = other;
+          low = hit.k;
+          if (reach > low && reach < high && side * reached <= tolerance) {
+            high = reach;
+            between = true;
+          }
+        }
+        if (!between && !leapt && inward > 0.0) {
+          k = hit.k + 0.9 * inward;
+          lands = leapt = true;
+        } else if (!(k > low && k < high)) {
+          k = between ? 0.5 * (low + high) : across > 0.01 ? hit.k + across : k_last;
         }
       } else if (side * above < 0.0) {
         // The bend does not bound what the fold at the reference line does.
@@ -328,7 +365,7 @@ FN RoadSearch surface_search(IN(float) x, IN(float) y, IN(float) z, IN(float) dx
         low = hit.k;
         k = hit.k + surface_free(abs(above), side * climb, side < 0.0 ? rises : falls);
         if (k >= high && high < k_last) k = 0.5 * (low + high);
-        done = left == 0;
+        done = left <= 0;
         if (hit.k >= k_last) {
           gone = true;
           done = aside || look == 0 || hit.residual <= tolerance;

@@ -4,6 +4,9 @@
 // The frames of all areas are drawn in turn, one each of every view, and compared view by view by the medians of their
 // times: of all processors together (cpu_ms), which other work on the machine disturbs less than elapsed time. `ratio` is to
 // the smallest area. Pictures, 640 x 360, 4 samples; triangles are those drawn, of those built.
+// Second table: the same frames of the ground in its file, within a budget of 1 MiB: the greatest number of bytes on the GPU
+// and read from the file at any time, against what the mesh and the file take as a whole; `ratio` is of the frame to the one
+// of the first table.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -18,13 +21,17 @@
 
 #include "roadgen/render/flight.h"
 #include "roadgen/render/renderer.h"
+#include "terrain/ground_source.h"
 #include "terrain/terrain.h"
+#include "terrain/terrain_file.h"
 
 namespace roadgen {
 namespace {
 
 constexpr std::array<double, 4> kAreas_km2{1, 10, 100, 1000};
 constexpr int kViews = 8, kRounds = 5;
+constexpr std::size_t kBudget_bytes = std::size_t{1} << 20;
+constexpr double kMiB = 1 << 20;
 
 template <class T>
 T require(Result<T> result) {
@@ -102,11 +109,17 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+// Of one renderer, per view.
+struct Frames {
+  std::unique_ptr<Renderer> renderer;
+  std::size_t drawn = 0, gpu_bytes = 0, loaded_bytes = 0, batches = 0;  // the greatest, but for drawn: the mean
+  std::array<std::vector<double>, kViews> cpu_ms;
+};
+
 struct Area {
   double km2 = 0, build_s = 0, peak_mb = 0, tolerance_factor = 1;
-  std::size_t triangles = 0, drawn = 0;
-  std::unique_ptr<Renderer> renderer;
-  std::array<std::vector<double>, kViews> cpu_ms;
+  std::size_t triangles = 0, mesh_bytes = 0, file_bytes = 0;
+  Frames whole, streamed;
 };
 
 Camera view(const Network& network, int i) {
@@ -116,6 +129,54 @@ Camera view(const Network& network, int i) {
   return camera;
 }
 
+void render(Frames& frames, const Camera& camera, int i, bool is_first) {
+  const double before = cpu_s();
+  require(frames.renderer->render(camera, {.width = 640, .height = 360}));
+  frames.cpu_ms[static_cast<std::size_t>(i)].push_back(1000 * (cpu_s() - before));
+  const GroundStatistics used = frames.renderer->ground_statistics();
+  if (is_first) frames.drawn += used.drawn_triangles / kViews;
+  frames.gpu_bytes = std::max(frames.gpu_bytes, used.gpu_bytes);
+  frames.loaded_bytes = std::max(frames.loaded_bytes, used.loaded_bytes);
+  frames.batches = std::max(frames.batches, used.batches);
+}
+
+// The median of the views' medians, and of their ratios to the others'.
+std::array<double, 2> times(const Frames& frames, const Frames& others) {
+  std::vector<double> own, ratios;
+  for (std::size_t i = 0; i < kViews; ++i) {
+    own.push_back(median(frames.cpu_ms[i]));
+    ratios.push_back(own.back() / median(others.cpu_ms[i]));
+  }
+  return {median(own), median(ratios)};
+}
+
+Area made(double km2, const Network& network, const Elevation& elevation, Context& context, const std::string& path) {
+  TerrainOptions options;
+  options.margin_m = 500 * std::sqrt(km2) - 150;  // the road takes 0.6 km of one side
+  const double before = cpu_s();
+  const Terrain terrain = require(Terrain::build(network, &elevation, options));
+  Area area;
+  area.km2 = km2;
+  area.build_s = cpu_s() - before;
+  area.peak_mb = peak_mb();
+  area.tolerance_factor = terrain.report().tolerance_factor;
+  area.triangles = terrain.report().triangles;
+  for (const GroundTile& tile : terrain.ground()->tiles()) {
+    area.mesh_bytes += 28 * tile.positions_m.size() + 12 * tile.triangle_count();
+  }
+  require(write_terrain_file(terrain, 1, path));
+  area.file_bytes = std::filesystem::file_size(path);
+  RendererOptions bounded;
+  bounded.ground_budget_bytes = kBudget_bytes;
+  area.whole.renderer = std::make_unique<Renderer>(require(Renderer::create(context)));
+  area.streamed.renderer = std::make_unique<Renderer>(require(Renderer::create(context, bounded)));
+  require(area.whole.renderer->load_roads(network));
+  require(area.streamed.renderer->load_roads(network));
+  require(area.whole.renderer->load_ground(terrain.ground()));
+  require(area.streamed.renderer->load_ground(require(read_terrain_file(path, 1)).ground()));
+  return area;
+}
+
 int run() {
   const Grid grid = hills();
   const std::string path = write_hills(grid);
@@ -123,44 +184,32 @@ int run() {
   const Network network = short_road(grid);
   const std::unique_ptr<Context> context = require(Context::create({.kind = ContextKind::kOsmesa}));
   std::vector<Area> areas;
-  for (const double km2 : kAreas_km2) {
-    TerrainOptions options;
-    options.margin_m = 500 * std::sqrt(km2) - 150;  // the road takes 0.6 km of one side
-    const double before = cpu_s();
-    const Terrain terrain = require(Terrain::build(network, &elevation, options));
-    Area area;
-    area.km2 = km2;
-    area.build_s = cpu_s() - before;
-    area.peak_mb = peak_mb();
-    area.tolerance_factor = terrain.report().tolerance_factor;
-    area.triangles = terrain.report().triangles;
-    area.renderer = std::make_unique<Renderer>(require(Renderer::create(*context)));
-    require(area.renderer->load_roads(network));
-    require(area.renderer->load_ground(terrain.ground()));
-    areas.push_back(std::move(area));
-  }
+  for (const double km2 : kAreas_km2) areas.push_back(made(km2, network, elevation, *context, path + ".ground"));
   for (int round = 0; round < kRounds; ++round) {
     for (int i = 0; i < kViews; ++i) {
       for (Area& area : areas) {
-        const double before = cpu_s();
-        require(area.renderer->render(view(network, i), {.width = 640, .height = 360}));
-        area.cpu_ms[static_cast<std::size_t>(i)].push_back(1000 * (cpu_s() - before));
-        if (round == 0) area.drawn += area.renderer->ground_statistics().drawn_triangles / kViews;
+        for (Frames* frames : {&area.whole, &area.streamed}) render(*frames, view(network, i), i, round == 0);
       }
     }
   }
   std::printf("%8s %9s %9s %10s %12s %10s %8s %8s\n", "km2", "build s", "peak MB", "triangles", "tolerances x", "drawn",
               "cpu ms", "ratio");
   for (const Area& area : areas) {
-    std::vector<double> times, ratios;
-    for (std::size_t i = 0; i < kViews; ++i) {
-      times.push_back(median(area.cpu_ms[i]));
-      ratios.push_back(times.back() / median(areas[0].cpu_ms[i]));
-    }
+    const auto [cpu_ms, ratio] = times(area.whole, areas[0].whole);
     std::printf("%8.0f %9.2f %9.0f %10zu %12.2f %10zu %8.1f %8.2f\n", area.km2, area.build_s, area.peak_mb,
-                area.triangles, area.tolerance_factor, area.drawn, median(times), median(ratios));
+                area.triangles, area.tolerance_factor, area.whole.drawn, cpu_ms, ratio);
+  }
+  std::printf("\n%8s %9s %9s %11s %9s %9s %8s %8s\n", "km2", "mesh MiB", "GPU MiB", "of 1 GPU MiB", "file MiB",
+              "read MiB", "batches", "ratio");
+  for (const Area& area : areas) {
+    std::printf("%8.0f %9.2f %9.2f %11.2f %9.2f %9.2f %8zu %8.2f\n", area.km2,
+                static_cast<double>(area.mesh_bytes) / kMiB, static_cast<double>(area.whole.gpu_bytes) / kMiB,
+                static_cast<double>(area.streamed.gpu_bytes) / kMiB, static_cast<double>(area.file_bytes) / kMiB,
+                static_cast<double>(area.streamed.loaded_bytes) / kMiB, area.streamed.batches,
+                times(area.streamed, area.whole)[1]);
   }
   std::filesystem::remove(path);
+  std::filesystem::remove(path + ".ground");
   return 0;
 }
 

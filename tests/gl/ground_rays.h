@@ -102,7 +102,7 @@ class GroundRays {
   }
 
  private:
-  static constexpr double kPost_m = 4, kStep_m = 0.25, kEdge_m = 0.01;
+  static constexpr double kPost_m = 4, kStep_m = 0.25, kEdge_m = 0.01, kLeg_m = 5;
 
   // Whether the terrain tells a tunnel's floor there.
   bool is_under_hill(glm::dvec3 p) const { return terrain_.height_m(p) != terrain_.height_m(glm::dvec2(p)); }
@@ -134,7 +134,12 @@ class GroundRays {
   struct Over {
     std::uint32_t road;
     std::int32_t junction;
+    double s_m;
     double height_m;
+    // Of one leg: a road that winds down a hill lies beside itself, and between its legs nothing is met.
+    bool is_with(const Over& other) const {
+      return road == other.road && junction == other.junction && std::abs(s_m - other.s_m) < kLeg_m;
+    }
   };
   using Found = std::array<RoadPoint, 12>;
   // Calls visit(road or area, height over it) for every carriageway under or over the point.
@@ -146,12 +151,12 @@ class GroundRays {
       const RoadPoint& at = found[i];
       if (at.outside_m > 0) continue;
       if (at.junction < 0 && in_area_[at.at.road]) continue;
-      visit(Over{at.junction < 0 ? at.at.road : 0, at.junction, at.height_m});
+      visit(Over{at.junction < 0 ? at.at.road : 0, at.junction, at.junction < 0 ? at.s_m : 0, at.height_m});
     }
   }
   bool is_on(const Over& same, glm::dvec3 p) const {
     bool on = false;
-    each_road(p, [&](const Over& o) { on = on || (o.road == same.road && o.junction == same.junction); });
+    each_road(p, [&](const Over& o) { on = on || o.is_with(same); });
     return on;
   }
   bool is_well_inside(const Over& same, glm::dvec3 p) const {
@@ -184,7 +189,7 @@ class GroundRays {
       if (free <= 0) each_road(p, [&](const Over& o) { now.push_back(o); });
       for (const Over& o : now) {
         for (const Over& b : before) {
-          if (b.road != o.road || b.junction != o.junction || !(b.height_m > 0 && o.height_m < 0)) continue;
+          if (!b.is_with(o) || !(b.height_m > 0 && o.height_m < 0)) continue;
           const glm::dvec3 crossing = p - way * ((at - last) / length) * (o.height_m / (o.height_m - b.height_m));
           if (is_well_inside(o, crossing)) return true;
         }

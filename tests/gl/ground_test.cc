@@ -140,6 +140,7 @@ TEST_F(GroundTest, ThePictureHasLevelsOfDetailAndTheDataChannelsHaveNone) {
   const auto drawn = [&](double error, unsigned channels) {
     RendererOptions options;
     options.ground_error_pixels = error;
+    options.cull = false;  // what is hidden is another matter
     auto renderer = Renderer::create(*make_context(ContextKind::kOsmesa), options);
     EXPECT_TRUE(renderer.ok() && renderer->load_ground(terrain->tiles()).ok());
     EXPECT_TRUE(renderer->render(camera, {.width = kWidth, .height = kHeight, .channels = channels}).ok());

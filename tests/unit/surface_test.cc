@@ -221,5 +221,47 @@ TEST(Surface, SearchFindsWhatComesFirstOnCrestsAndSags) {
   EXPECT_GT(comes_out, 2000);
 }
 
+// Rays that graze a banked road from the side, in boxes that are wider than it: however long they run along the surface as
+// it goes on beside the road, what they meet on it is found.
+TEST(Surface, SearchArrivesAtTheRoadAlongItsSurfaceBeside) {
+  Dice dice;
+  int meetings = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Lib::RoadSurface r = random_surface(dice, 0, i % 2 ? 0 : dice(-0.02, 0.02), 0.2);
+    r.left0 = r.right0 = r.e1 = 0;
+    r.e2 = dice(-1e-3, 1e-3), r.e3 = dice(-2e-5, 2e-5);
+    const double half = 3.75, margin = 0.02 + 20 * dice(0, 1) * dice(0, 1);
+    const glm::dvec2 aim(dice(0.2, 0.8), dice(-3, 3) / r.chord);
+    const double way = (dice(0, 1) < 0.5 ? 1 : -1) * dice(0.9, 2.2);
+    const glm::dvec2 along = glm::dvec2(std::cos(way), std::sin(way)) / r.chord;
+    const double slope = height_at(r, aim + 0.5 * along) - height_at(r, aim - 0.5 * along);
+    const glm::dvec3 toward(along, slope - 0.03 * dice(0, 1) * dice(0, 1)), target(aim, height_at(r, aim));
+    const double reach = dice(25, 60);
+    const glm::dvec3 from = target - reach * toward;
+    // In the box, and between the joints.
+    double first = 0, last = 1e6;
+    const auto clip = [&](double value, double change) {
+      (change > 0 ? first : last) = change > 0 ? std::max(first, -value / change) : std::min(last, -value / change);
+    };
+    clip(from.y + (half + margin) / r.chord, toward.y), clip((half + margin) / r.chord - from.y, -toward.y);
+    clip(from.x + r.a * from.y, toward.x + r.a * toward.y), clip(1 - from.x - r.b * from.y, -toward.x - r.b * toward.y);
+    if (!(first < reach - 1 && reach + 1 < last)) continue;
+    // It comes down through the road there, and does not only touch it.
+    const auto above = [&](double k) {
+      const glm::dvec3 at = from + k * toward;
+      return at.z - height_at(r, glm::dvec2(at));
+    };
+    if (!(above(reach - 0.5) > 1e-3 && above(reach + 0.5) < -1e-3)) continue;
+    const Lib::RoadSearch found =
+        Lib::surface_search(from.x, from.y, from.z, toward.x, toward.y, toward.z, first, last, 5e-4,
+                            Lib::surface_most_bend(half, r), half, i % 3, first, last, r);
+    ASSERT_TRUE(found.met) << i;
+    EXPECT_LE(std::abs(found.hit.v) * r.chord, half + 0.05) << i;
+    EXPECT_LE(std::abs(above(found.hit.k)), 1e-3) << i;
+    ++meetings;
+  }
+  EXPECT_GT(meetings, 5000);
+}
+
 }  // namespace
 }  // namespace roadgen
