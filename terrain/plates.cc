@@ -536,9 +536,10 @@ void Plates::find_overlaps(double apart_m) {
       for (const glm::dvec3& p : high.above(low)) {
         box.low_m = glm::min(box.low_m, glm::dvec3(glm::dvec2(p), 0));
         box.high_m = glm::max(box.high_m, glm::dvec3(glm::dvec2(p), 0));
-        if (p.z > worst.apart_m) worst = {glm::dvec2(p), p.z};
+        worst.apart_m = std::max(worst.apart_m, p.z);
       }
       if (worst.apart_m <= apart_m) return;
+      worst.at_m = glm::dvec2(0.5 * (box.low_m + box.high_m));
       found[i].push_back(worst);
       boxes[i].push_back(box);
     });
@@ -564,6 +565,10 @@ std::optional<Overlap> Plates::worst_overlap(const Box& about, double reach_m) c
 
 std::optional<Overlap> Plates::overlap(const std::array<glm::dvec3, 3>& triangle, double reach_m) const {
   return worst_overlap(box_of(triangle), reach_m);
+}
+
+std::optional<Overlap> Plates::overlap(const Plate& plate, double reach_m) const {
+  return worst_overlap(box_of(plate), reach_m);
 }
 
 void Plates::find_levelled(const std::function<double(glm::dvec2)>& ground_m, double below_m, double reach_m) {

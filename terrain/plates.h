@@ -71,6 +71,7 @@ class Plates {
   // Of the overlaps within about reach_m of the triangle that where they are farthest apart. Any number of threads may ask.
   // Cost: O(log n).
   std::optional<Overlap> overlap(const std::array<glm::dvec3, 3>& triangle, double reach_m) const;
+  std::optional<Overlap> overlap(const Plate& plate, double reach_m) const;
 
   // Proven: the carriageways lie above the plane of the triangle by at least least_m, and those that are levelled by at
   // most most_m, at every point of the triangle that is under them. x, y, z in metres, any orientation.

@@ -269,7 +269,7 @@ void Terrain::Impl::tell_overlaps(const Plates& roads, std::vector<Overlap> foun
   for (const Plate& plate : roads.all()) {
     if (!plate.on_ground || plate.levelled) continue;
     report.over_others_m2 += 4 * plate.half_m.x * plate.half_m.y;
-    found.push_back({plate.center_m, plate.height_m(plate.center_m) - ground.height_m(to_lattice(plate.center_m))});
+    if (const auto overlap = roads.overlap(plate, options.levelling.shoulder_m)) found.push_back(*overlap);
   }
   std::sort(found.begin(), found.end(), [](const Overlap& a, const Overlap& b) { return a.apart_m > b.apart_m; });
   std::vector<Overlap> places;

@@ -22,16 +22,25 @@ using Json = nlohmann::ordered_json;
 
 // The roads of an overlap, and where it is.
 Json describe(const Overlap& overlap, const RoadIndex& index) {
-  constexpr double kAbout_m = 0.5;
+  constexpr double kAbout_m = 1;
   std::array<RoadPoint, 8> room;
   const std::size_t count = std::min(index.candidates(overlap.at_m, kAbout_m, room), room.size());
-  Json roads = Json::array();
+  Json roads = Json::array(), junctions = Json::array();
+  const auto add = [](Json& to, const std::string& id) {
+    if (std::find(to.begin(), to.end(), id) == to.end()) to.push_back(id);
+  };
   for (std::size_t i = 0; i < count; ++i) {
-    if (!room[i].has_road()) continue;
-    const std::string& id = index.network().roads[room[i].at.road].id;
-    if (std::find(roads.begin(), roads.end(), id) == roads.end()) roads.push_back(id);
+    const Network& network = index.network();
+    if (room[i].junction >= 0) {
+      add(junctions, network.junctions[static_cast<std::size_t>(room[i].junction)].id);
+    } else if (room[i].has_road()) {
+      add(roads, network.roads[room[i].at.road].id);
+    }
   }
-  return {{"at", {overlap.at_m.x, overlap.at_m.y}}, {"apart_m", overlap.apart_m}, {"roads", roads}};
+  return {{"at", {overlap.at_m.x, overlap.at_m.y}},
+          {"apart_m", overlap.apart_m},
+          {"roads", roads},
+          {"junctions", junctions}};
 }
 
 Json describe(const Elevation& elevation, const Network& network, const TerrainReport& report,

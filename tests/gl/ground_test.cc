@@ -368,7 +368,7 @@ TEST_F(GroundTest, GroundThatIsSampledAtPostsShowsThroughTheRoad) {
   const Grid natural = natural_from_elevation(*elevation_, network_, area, 10);
   const RoadIndex index(network_);
   const Levelling ground(index, natural, {});
-  for (const double post_m : {8.0, 4.0}) {
+  for (const auto& [post_m, least] : {std::pair(8.0, 50000u), {4.0, 10u}}) {
     // The cells about the road.
     const glm::ivec2 posts(glm::ceil((area.high_m - area.low_m) / post_m));
     TerrainMesh tile;
@@ -393,7 +393,7 @@ TEST_F(GroundTest, GroundThatIsSampledAtPostsShowsThroughTheRoad) {
     const Counts counts = look({&tile, 1});
     std::printf("posts of %.0f m: %zu of road, %zu of ground, %zu of ground through the road\n", post_m, counts.road,
                 counts.ground, counts.through);
-    EXPECT_GT(counts.through, 1000u);
+    EXPECT_GT(counts.through, least);
   }
 }
 
