@@ -43,8 +43,11 @@ Coefficients coefficients(PrimitiveKind kind, const ObjectLib::ObjectShape& s) {
     case PrimitiveKind::kQuadric:
       if ((s.flags & OBJECT_PLANES) != 0) return product(s);
       return {s.p0, s.p1, s.p2, s.p3, s.p4, s.p5, s.p6, s.p7, s.p8, s.p9};
-    default: return kAllInside;
+    case PrimitiveKind::kBox:
+    case PrimitiveKind::kRhomb:
+    case PrimitiveKind::kTorus: break;  // a torus is its own
   }
+  return kAllInside;
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ constexpr double kEdge_px = 0.01;
 // Depth is to agree within this part of the distance, the normal within this angle, each and what it changes over kPixel_px
 // of the picture: where the surface is steep, or the object itself a pixel wide, that is more, and single precision cannot
 // tell rays that are nearer to one another.
-constexpr double kDepth = 1e-6, kNormal_rad = 1e-4, kPixel_px = 2e-4;
+constexpr double kDepth = 1e-6, kNormal_rad = 1e-4, kPixel_px = 1e-4;
 // Likewise what they change when the eye moves by this part of the object's size, to which single precision knows places
 // in the object's frame: more than the above where an eye is a thousandth of its size above a surface.
 constexpr double kPlace = 0x1p-22;
