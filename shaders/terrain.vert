@@ -4,7 +4,9 @@
 layout(location = 0) in vec3 in_position;  // relative to the tile's origin, m
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in float in_road;     // distance from the nearest carriageway, m, up to 16
-layout(location = 3) in vec3 tile;         // the tile's origin relative to the eye, m
+layout(location = 3) in vec3 tile;         // the tile's origin, relative to a place near the eye, m
+
+layout(location = 0) uniform vec3 place_from_eye;
 
 out vec3 relative;
 out vec3 ground_normal;
@@ -14,7 +16,8 @@ out vec3 in_tile;
 #endif
 
 void main() {
-  relative = in_position + tile;
+  // Vertices of two tiles are the same to the bit: what the first sum adds is exact.
+  relative = (in_position + tile) + place_from_eye;
   ground_normal = in_normal;
   road_m = in_road;
 #ifdef HOLLOWS

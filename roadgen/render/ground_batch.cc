@@ -230,6 +230,7 @@ void GroundBatch::issue(const Drawing& drawing, const Program& ground, const Pro
   }
   if (!whole.empty()) {
     ground.use();
+    glUniform3f(0, place_from_eye_.x, place_from_eye_.y, place_from_eye_.z);
     glNamedBufferData(commands_.id(), static_cast<GLsizeiptr>(whole.size() * sizeof whole[0]), whole.data(),
                       GL_STREAM_DRAW);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.id());
@@ -237,6 +238,7 @@ void GroundBatch::issue(const Drawing& drawing, const Program& ground, const Pro
   }
   if (whole.size() == drawing.commands.size()) return;
   at_tunnels.use();
+  glUniform3f(0, place_from_eye_.x, place_from_eye_.y, place_from_eye_.z);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, hollows_.id());
   for (const Command& c : drawing.commands) {
     if (c.hollow_count == 0 || c.count == 0) continue;
@@ -303,7 +305,11 @@ Status GroundBatch::draw(const Program& ground, const Program& at_tunnels, const
   Detail detail = of_picture ? detail_ : Detail{view.eye_m, 0, 0};
   std::vector<Seen> seen = see(view, detail);
   std::vector<glm::vec3> origins;
-  for (const Seen& s : seen) origins.emplace_back(loader_->source().tiles()[s.tile].origin_m - view.eye_m);
+  // Near the eye, but on the quanta of the mesh: its vertices from there are exact in single precision up to 16 km.
+  constexpr double kQuantum_m = 1.0 / 1024;
+  const glm::dvec3 place = kQuantum_m * glm::round(view.eye_m / kQuantum_m);
+  place_from_eye_ = place - view.eye_m;
+  for (const Seen& s : seen) origins.emplace_back(loader_->source().tiles()[s.tile].origin_m - place);
   if (!origins.empty()) {
     glNamedBufferData(origins_.id(), static_cast<GLsizeiptr>(origins.size() * sizeof origins[0]), origins.data(),
                       GL_STREAM_DRAW);

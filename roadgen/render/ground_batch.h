@@ -113,6 +113,7 @@ class GroundBatch {
   std::vector<std::uint32_t> chosen_;   // triangles of a tile
   double low_m_ = 0, high_m_ = 0;
   bool has_cuts_ = false;
+  glm::vec3 place_from_eye_{0, 0, 0};  // of the place that a frame's tiles are told from
   GroundStatistics statistics_;
 };
 
