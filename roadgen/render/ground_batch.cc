@@ -236,7 +236,9 @@ void GroundBatch::issue(const Drawing& drawing, const Program& ground, const Pro
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.id());
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(whole.size()), 0);
   }
-  if (whole.size() == drawing.commands.size()) return;
+  const bool has_cut = std::any_of(drawing.commands.begin(), drawing.commands.end(),
+                                   [](const Command& c) { return c.hollow_count > 0 && c.count > 0; });
+  if (!has_cut) return;
   at_tunnels.use();
   glUniform3f(0, place_from_eye_.x, place_from_eye_.y, place_from_eye_.z);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, hollows_.id());
