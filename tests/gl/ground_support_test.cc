@@ -270,6 +270,23 @@ class GroundOfPlaces : public test::GlTest, public ::testing::WithParamInterface
 // cameras none of 772,000 in Monaco, 1 and at the coarsest level 3 of 1,014,000 on Schleiz's crests; of the first 50 none.
 std::size_t most_lost(const GroundCounts& counts) { return counts.road / 300000; }
 
+// Pixels that differ from those of all ground, but for those where that is not on its own mesh: of triangles seen on edge,
+// which are thinner than the rasterizer's 1/256 pixel, it draws some too near by metres, even hidden ones. One of 3 million.
+std::size_t wrongly_left_out(const Frame& drawn, const Frame& all, const Camera& camera, const Terrain& terrain) {
+  std::size_t wrong = 0;
+  for (int y = 0; y < all.depth_m.height; ++y) {
+    for (int x = 0; x < all.depth_m.width; ++x) {
+      const float depth = all.depth_m.at(x, y, 0);
+      if (drawn.depth_m.at(x, y, 0) == depth && drawn.label.at(x, y, 0) == all.label.at(x, y, 0)) continue;
+      const glm::dvec3 seen =
+          camera.position_m + double{depth} * pixel_ray(camera, all.depth_m.width, all.depth_m.height, x, y);
+      const bool is_ground = static_cast<Label>(all.label.at(x, y, 0)) == Label::kGround;
+      wrong += !is_ground || std::abs(seen.z - terrain.height_m(seen)) < 0.1;
+    }
+  }
+  return wrong;
+}
+
 // Random cameras along the roads, half of them near the ends of bridges and tunnels. ROADGEN_GROUND_CAMERAS: how many.
 TEST_P(GroundOfPlaces, ShowsNoGroundInTunnelsOrInFrontOfRoads) {
   const fs::path roads = kData / "road-geo" / GetParam().roads;
@@ -351,7 +368,7 @@ TEST_P(GroundOfPlaces, ShowsNoGroundInTunnelsOrInFrontOfRoads) {
       if (into != &counts) continue;
       const auto same = all->render(camera, request);
       ASSERT_TRUE(same.ok());
-      EXPECT_TRUE(frame->depth_m.pixels == same->depth_m.pixels && frame->label.pixels == same->label.pixels) << i;
+      EXPECT_EQ(wrongly_left_out(*frame, *same, camera, *terrain), 0u) << i;
     }
   }
   counts.print(GetParam().roads);
