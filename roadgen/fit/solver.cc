@@ -6,8 +6,9 @@ namespace roadgen {
 namespace {
 
 Result<const FitSolver*> load_solver() {
-  // Found by the run path of the program or library that this is a part of.
-  void* library = ::dlopen(ROADGEN_FIT_LIBRARY, RTLD_NOW | RTLD_LOCAL);
+  // Found by the run path of the program or library that this is a part of. AddressSanitizer puts itself before dlopen,
+  // which then searches by its run path.
+  void* library = ::dlmopen(LM_ID_BASE, ROADGEN_FIT_LIBRARY, RTLD_NOW | RTLD_LOCAL);
   if (const void* solver = library ? ::dlsym(library, "roadgen_fit_solver") : nullptr) {
     return static_cast<const FitSolver*>(solver);
   }
