@@ -24,7 +24,6 @@
 namespace roadgen {
 namespace {
 
-constexpr double kLateral_m = 1.0 / 1024;  // quantum of the mesh's places
 constexpr double kTileSide_m = 1024;
 constexpr int kMostTiles = 48;           // each way; larger worlds get larger tiles
 constexpr int kMostNaturalPosts = 2048;  // each way
@@ -100,12 +99,12 @@ void Terrain::Impl::lay_out(const Network& network, const Elevation* elevation) 
   k = levels(many);
   finer = std::clamp(static_cast<int>(std::log2(options.spacing_m / kFinestPost_m)), 0, std::min(kMostFiner, 14 - k));
   k += finer;
-  unit_m = std::max(std::ceil(longer / many / (1 << k) / kLateral_m) * kLateral_m, kLateral_m);
+  unit_m = std::max(std::ceil(longer / many / (1 << k) / kQuantum_m) * kQuantum_m, kQuantum_m);
   const double side = unit_m * (1 << k);
   tile_count = glm::ivec2(glm::max(glm::ceil(size / side - 1e-9), glm::dvec2(1)));
   const glm::dvec2 middle = 0.5 * (area.low_m + area.high_m);
-  origin_m = glm::dvec2(quantised(middle.x - 0.5 * side * tile_count.x, kLateral_m),
-                        quantised(middle.y - 0.5 * side * tile_count.y, kLateral_m));
+  origin_m = glm::dvec2(quantised(middle.x - 0.5 * side * tile_count.x, kQuantum_m),
+                        quantised(middle.y - 0.5 * side * tile_count.y, kQuantum_m));
   report.area = {origin_m, origin_m + side * glm::dvec2(tile_count)};
   report.spacing_m = post_m();
   report.finest_spacing_m = unit_m;
@@ -175,7 +174,7 @@ bool Terrain::Impl::is_wanted(const KnownHeights& ground, const Plates& roads, c
 }
 
 void Terrain::Impl::triangulate(const KnownHeights& ground, const Plates& roads) {
-  const auto height = [&](glm::ivec2 p) { return quantised(height_m(ground, glm::dvec2(p)), kVertical_m); };
+  const auto height = [&](glm::ivec2 p) { return quantised(height_m(ground, glm::dvec2(p)), kQuantum_m); };
   double factor = 1;
   for (int attempt = 0;; ++attempt, factor *= kRetryFactor) {
     mesh = std::make_unique<Bisection>(tile_count, k, height);
@@ -204,7 +203,7 @@ std::vector<double> Terrain::Impl::lower(const std::vector<ClearanceBounds>& aim
   mesh->each_leaf([&](std::int32_t leaf) {
     const double lacking = options.least_clearance_m - aimed[static_cast<std::size_t>(leaf)].least_m;
     if (lacking <= 0) return;
-    const double drop = std::ceil(lacking / kVertical_m) * kVertical_m;
+    const double drop = std::ceil(lacking / kQuantum_m) * kQuantum_m;
     const Bisection::Triangle& t = mesh->triangle(leaf);
     for (const std::uint32_t vertex : {t.apex, t.left, t.right}) by[vertex] = std::max(by[vertex], drop);
     ++report.triangles_lowered;
@@ -265,7 +264,7 @@ std::vector<std::int32_t> Terrain::Impl::prove(const Plates& roads, const std::v
 // Adds the carriageways over others, and keeps of places near one another the worst.
 void Terrain::Impl::tell_overlaps(const Plates& roads, std::vector<Overlap> found) {
   report.over_others_m2 = 0;
-  const HeightMesh ground(*mesh, kVertical_m);
+  const HeightMesh ground(*mesh, kQuantum_m);
   for (const Plate& plate : roads.all()) {
     if (!plate.on_ground || plate.levelled) continue;
     report.over_others_m2 += 4 * plate.half_m.x * plate.half_m.y;
@@ -515,7 +514,7 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   const VertexDetail detail = impl->detail(roads);
   impl->tell(0.8);
   impl->emit(known, detail);
-  impl->heights = HeightMesh(*impl->mesh, kVertical_m);
+  impl->heights = HeightMesh(*impl->mesh, kQuantum_m);
   impl->mesh.reset();
   impl->keep(std::make_shared<const std::vector<TerrainMesh>>(std::move(impl->tiles)));
   impl->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -58,9 +58,10 @@ struct TerrainOptions {
   std::function<void(double fraction)> progress;  // called now and then with 0 to 1; may be empty
 };
 
-// A square tile of the mesh, 0.5 to 1 km wide (more in worlds beyond 50 km). Positions are floats relative to the origin and exact: multiples
-// of 1/1024 m, so that neighbouring tiles meet without a gap.
+// A square tile of the mesh, 0.5 to 1 km wide (more in worlds beyond 50 km). Positions are floats relative to the origin
+// and exact: multiples of kQuantum_m, as origins are, so that neighbouring tiles meet without a gap.
 struct TerrainMesh {
+  static constexpr double kQuantum_m = 1.0 / 1024;
   static constexpr double kVerge_m = 16;
   glm::dvec3 origin_m{0, 0, 0};
   std::vector<glm::vec3> positions_m;    // relative to origin_m

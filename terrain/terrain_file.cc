@@ -429,7 +429,7 @@ Result<Terrain> read_terrain_file(const std::string& path, std::uint64_t key) {
   impl->hollows = t.hollows;
   impl->index_hollows();
   impl->heights =
-      HeightMesh(t.tile_count, t.k, kVertical_m, ground->at(t.height_nodes), ground->at(t.height_leaves), *opened);
+      HeightMesh(t.tile_count, t.k, kQuantum_m, ground->at(t.height_nodes), ground->at(t.height_leaves), *opened);
   if (checksum(impl->heights) != t.heights_sum || !impl->heights.is_sound()) return damaged();
   for (std::size_t i = 0; i < ground->tiles().size(); ++i) {
     if (!ground->load(i, 0, static_cast<std::uint32_t>(ground->tiles()[i].bands.size()))) return damaged();

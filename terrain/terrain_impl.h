@@ -18,7 +18,7 @@
 
 namespace roadgen {
 
-constexpr double kVertical_m = 1.0 / 1024;  // quantum of the mesh's heights
+constexpr double kQuantum_m = TerrainMesh::kQuantum_m;
 
 // Heights of the levelled ground near roads, where they take long and are asked for again and again: by the triangles
 // on both sides of an edge, for its vertex when it is halved, by neighbours for normals. Any number of threads may ask.

@@ -308,7 +308,7 @@ Status GroundBatch::draw(const Program& ground, const Program& at_tunnels, const
   std::vector<Seen> seen = see(view, detail);
   std::vector<glm::vec3> origins;
   // Near the eye, but on the quanta of the mesh: its vertices from there are exact in single precision up to 16 km.
-  constexpr double kQuantum_m = 1.0 / 1024;
+  constexpr double kQuantum_m = TerrainMesh::kQuantum_m;
   const glm::dvec3 place = kQuantum_m * glm::round(view.eye_m / kQuantum_m);
   place_from_eye_ = place - view.eye_m;
   for (const Seen& s : seen) origins.emplace_back(loader_->source().tiles()[s.tile].origin_m - place);

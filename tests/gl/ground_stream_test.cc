@@ -14,7 +14,7 @@
 #include "terrain/ground_source.h"
 #include "terrain/terrain.h"
 #include "terrain/terrain_file.h"
-#include "tests/gl/gl_fixture.h"
+#include "tests/gl/pass_fixture.h"
 #include "tests/temporary_folder.h"
 
 namespace roadgen {
@@ -51,16 +51,12 @@ class SlowSource : public GroundSource {
   mutable int left_ = 0;
 };
 
-class GroundStreamTest : public test::GlTest {
+class GroundStreamTest : public test::PassTest {
  protected:
   void SetUp() override {
-    const std::string data = std::string(ROADGEN_SOURCE_DIR) + "/data/";
-    auto imported = import_files({data + "pass.csv"}, {});
-    ASSERT_TRUE(imported.ok()) << imported.error().text();
-    network_ = std::move(imported->network);
-    const auto elevation = Elevation::open(data + "pass_dem.tif");
-    ASSERT_TRUE(elevation.ok()) << elevation.error().text();
-    auto built = Terrain::build(network_, &*elevation);
+    PassTest::SetUp();
+    if (HasFatalFailure()) return;
+    auto built = Terrain::build(network_, &*elevation_);
     ASSERT_TRUE(built.ok()) << built.error().text();
     built_.emplace(std::move(*built));
     path_ = folder_.path("pass.ground");
@@ -84,7 +80,6 @@ class GroundStreamTest : public test::GlTest {
   }
 
   test::TemporaryFolder folder_;
-  Network network_;
   std::optional<Terrain> built_;
   std::string path_;
   std::size_t mesh_bytes_ = 0;

@@ -15,7 +15,7 @@
 #include "roadgen/render/shader_source.h"
 #include "terrain/natural.h"
 #include "terrain/terrain.h"
-#include "tests/gl/gl_fixture.h"
+#include "tests/gl/pass_fixture.h"
 #include "tests/joined_ground.h"
 #include "tests/temporary_folder.h"
 
@@ -60,17 +60,8 @@ void count(const Frame& frame, const Camera& camera, const RoadIndex& index, Cou
   }
 }
 
-class GroundTest : public test::GlTest {
+class GroundTest : public test::PassTest {
  protected:
-  void SetUp() override {
-    const std::string data = std::string(ROADGEN_SOURCE_DIR) + "/data/";
-    auto imported = import_files({data + "pass.csv"}, {});
-    ASSERT_TRUE(imported.ok()) << imported.error().text();
-    network_ = std::move(imported->network);
-    auto elevation = Elevation::open(data + "pass_dem.tif");
-    ASSERT_TRUE(elevation.ok()) << elevation.error().text();
-    elevation_.emplace(std::move(*elevation));
-  }
   // From 60 random places on and above the road, along it and down the slopes.
   Counts look(std::span<const TerrainMesh> tiles) {
     Counts counts;
@@ -93,9 +84,6 @@ class GroundTest : public test::GlTest {
     }
     return counts;
   }
-
-  Network network_;
-  std::optional<Elevation> elevation_;
 };
 
 TEST_F(GroundTest, NoGroundShowsThroughTheRoad) {
