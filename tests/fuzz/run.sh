@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Runs every fuzz target of build/fuzz from its corpus: tests/fuzz/run.sh [SECONDS of each, default 20] [TARGET...]
+# Runs every fuzz target of build/fuzz from its corpus: tests/fuzz/run.sh [SECONDS of each, default 10] [TARGET...]
 # What a target finds anew is kept in build/fuzz/found/TARGET; an input that breaks it is told with its path.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-seconds=${1:-20}; shift || true
+seconds=${1:-10}; shift || true
 [ $# -gt 0 ] || set -- opendrive osm_xml osm_pbf gpx csv geojson scene point_cloud
 # Leaks are those of GDAL and the rest at exit.
 export ASAN_OPTIONS=detect_leaks=0
