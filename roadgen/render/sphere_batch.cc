@@ -22,8 +22,9 @@ namespace {
 
 // Where shaders/spheres_light.frag finds the indices.
 constexpr GLuint kIndexUnit = 4;
-// Spheres of one draw: their vertices are counted by 16 bits, with up to 32 corners.
-constexpr std::uint32_t kDrawSpheres = 2048;
+// Elements of one draw. llvmpipe takes up to 4096 as they are where it is told their range; else it finds out vertex by
+// vertex which ones it has already, which costs it more than to compute them.
+constexpr std::uint32_t kDrawElements = 4096;
 // Up to these radii on the screen, in pixels, spheres are drawn by triangles and by squares: what setting up more
 // triangles costs is more than the pixels that they spare.
 constexpr double kTriangle_px = 5, kSquare_px = 24;
@@ -32,6 +33,12 @@ template <class T>
 gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
   return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), flags);
 }
+
+int elements_of(int corners) { return 3 * (corners - 2); }
+std::uint32_t spheres_a_draw(int corners) { return kDrawElements / static_cast<std::uint32_t>(elements_of(corners)); }
+
+// Of the polygons of one draw, and of one more: llvmpipe does not take those as they are that end with the buffer.
+gl::Buffer draw_elements(int corners) { return buffer_of(polygon_elements(corners, spheres_a_draw(corners) + 1)); }
 
 }  // namespace
 
@@ -45,7 +52,7 @@ void SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance,
     first_instance += static_cast<std::uint32_t>(set.items.size());
   }
   if (sets_.empty()) return;
-  for (std::size_t i : {0, 1}) elements_[i] = buffer_of(polygon_elements(i == 0 ? 4 : corners_of(2), kDrawSpheres));
+  elements_ = {draw_elements(4), draw_elements(corners_of(2))};
   array_ = gl::VertexArray::create();
 }
 
@@ -213,16 +220,13 @@ void SphereBatch::draw_indices(const Program& program, int corners, std::size_t 
     return;
   }
   glVertexArrayElementBuffer(array_.id(), elements_[corners == 4 ? 0 : 1].id());
-  std::vector<GLsizei> counts;
-  std::vector<GLint> firsts;
-  for (std::size_t at = 0; at < count; at += kDrawSpheres) {
-    const std::size_t spheres = std::min<std::size_t>(kDrawSpheres, count - at);
-    counts.push_back(static_cast<GLsizei>(spheres) * 3 * (corners - 2));
-    firsts.push_back(static_cast<GLint>(at) * corners);
+  const std::size_t most = spheres_a_draw(corners);
+  for (std::size_t at = 0; at < count; at += most) {
+    const auto spheres = static_cast<GLsizei>(std::min(most, count - at));
+    glDrawRangeElementsBaseVertex(GL_TRIANGLES, 0, static_cast<GLuint>(spheres * corners - 1),
+                                  spheres * elements_of(corners), GL_UNSIGNED_SHORT, nullptr,
+                                  static_cast<GLint>(at) * corners);
   }
-  const std::vector<const void*> offsets(counts.size(), nullptr);
-  glMultiDrawElementsBaseVertex(GL_TRIANGLES, counts.data(), GL_UNSIGNED_SHORT, offsets.data(),
-                                static_cast<GLsizei>(counts.size()), firsts.data());
 }
 
 Status SphereBatch::draw_set(const Set& set, const ObjectView& view, const IndexPrograms& index,
