@@ -10,8 +10,12 @@ layout(binding = 7) uniform sampler2D environment_table;
 
 // What a white diffuse surface sends out.
 vec3 environment_diffuse(vec3 n) {
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < 9; ++i) sum += environment_harmonics[i].rgb * light_harmonic(i, n);
+  // Written out, since drivers leave a loop over light_harmonic, with its many returns, a loop.
+  vec3 sum = environment_harmonics[0].rgb * light_harmonic(0, n) + environment_harmonics[1].rgb * light_harmonic(1, n) +
+             environment_harmonics[2].rgb * light_harmonic(2, n) + environment_harmonics[3].rgb * light_harmonic(3, n) +
+             environment_harmonics[4].rgb * light_harmonic(4, n) + environment_harmonics[5].rgb * light_harmonic(5, n) +
+             environment_harmonics[6].rgb * light_harmonic(6, n) + environment_harmonics[7].rgb * light_harmonic(7, n) +
+             environment_harmonics[8].rgb * light_harmonic(8, n);
   return max(sum, vec3(0.0));
 }
 

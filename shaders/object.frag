@@ -166,9 +166,9 @@ void main() {
   ObjectPoint point;
   point.position = direction * depth;
   point.normal = normal;
-  point.material = floatBitsToUint(object.axes[1].w);
   point.tint = vec3(1.0);
-  out_color = vec4(frame_tone(object_light(point, ObjectSite(p, face))), 1.0);
+  ObjectMaterial material = object_materials[floatBitsToUint(object.axes[1].w)];
+  out_color = vec4(frame_tone(object_light(point, material, ObjectSite(p, face))), 1.0);
 #endif
 #ifndef IN_TEXTURE_SPACE
   gl_FragDepth = min(forward.w / max(depth, forward.w), gl_FragCoord.z);

@@ -1,12 +1,12 @@
-// Which sphere a pixel, or a sample, sees: its index and depth alone. What it looks like is computed once a pixel
+// Which sphere a pixel, or a sample, sees: its slot and depth alone. What it looks like is computed once a pixel
 // (spheres_light.frag), however many spheres lie behind one another there.
 #include "frame.glsl"
 #include "spheres.glsl"
 
-flat in uint sphere_index;
+flat in uint sphere_slot;
 flat in vec4 place;
 #ifdef NEAR
-flat in vec4 eye;
+flat in float per_radius;
 #endif
 #ifdef IN_PLANE
 in vec2 in_plane;
@@ -16,12 +16,12 @@ layout(location = 40) uniform vec2 sample_places[SAMPLES];  // from the pixel's 
 #endif
 
 layout(depth_less) out float gl_FragDepth;
-layout(location = 0) out uint out_index;  // 1 + index
+layout(location = 0) out uint out_index;  // 1 + slot
 
 // Depth in the buffer of what the ray meets; 0 where it passes.
 float depth_at(vec2 pixel) {
 #ifdef NEAR
-  float k = sphere_first_near(pixel, eye, place.w, forward.w, false);
+  float k = sphere_first_near(pixel, place, per_radius, forward.w, false);
   return k == OBJECT_FAR ? 0.0 : forward.w / k;
 #else
   SphereRay r = sphere_ray(pixel, place);
@@ -46,6 +46,6 @@ void main() {
   gl_SampleMask[0] = mask;
 #endif
   if (depth == 0.0) discard;
-  out_index = sphere_index + 1u;
+  out_index = sphere_slot + 1u;
   gl_FragDepth = depth;
 }

@@ -131,9 +131,7 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
     if (of_kind.empty()) continue;
     add_kind(row.kind, scene, of_kind);
   }
-  spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options, shadow_kinds);
-  statistics_.spheres = spheres_.spheres();
-  if (empty()) return Done{};
+  if (kinds_.empty() && scene.sphere_sets.empty()) return Done{};
   view_uniforms_ = gl::Buffer::with_data(sizeof(ViewUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
   std::vector<MaterialInstance> materials;
   auto textures = load_textures(scene.materials);
@@ -144,6 +142,9 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
   }
   if (materials.empty()) materials.push_back(instance(ObjectMaterial{}, 0));
   materials_ = buffer_of(materials);
+  spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options, shadow_kinds, materials_,
+                  sizeof(MaterialInstance));
+  statistics_.spheres = spheres_.spheres();
   return Done{};
 }
 

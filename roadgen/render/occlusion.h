@@ -32,7 +32,7 @@ class Occlusion {
   };
   struct Seen {
     std::uint32_t index;
-    bool near;  // sphere_is_near of shaders/spheres.glsl, or about to be
+    bool near;  // as shaders/spheres.glsl has it, or about to be
     Image image;
   };
   // Tiles from x_from to x_to, inclusive, of a row.
@@ -55,6 +55,12 @@ class Occlusion {
   // Valid until the next call of add or finish.
   std::span<const Seen> finish();
   std::vector<Run> touched() const;
+  // Whether a circle around it, so many times as large as what it lies within, is in the picture.
+  bool within(const Image& i, float times) const {
+    const float reach = times * i.outside;
+    return i.x - reach > -0.5f && i.y - reach > -0.5f && i.x + reach < 2 * half_width_ - 0.5f &&
+           i.y + reach < 2 * half_height_ - 0.5f;
+  }
   static std::vector<Run> all_tiles(int width, int height);
 
  private:
