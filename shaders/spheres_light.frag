@@ -1,4 +1,17 @@
 // The picture, or the data, of the spheres that spheres.frag found, once a pixel.
+layout(location = 0) flat in vec4 right;  // as in frame.glsl
+layout(location = 1) flat in vec4 up;
+layout(location = 2) flat in vec4 forward;
+layout(location = 3) flat in vec4 sun;
+layout(location = 4) flat in vec4 given_material[4];
+layout(location = 8) flat in vec4 given_harmonics[7];
+vec4 eye_phase = vec4(0.0, 0.0, given_material[3].zw);
+vec3 environment_harmonic(int i) {
+  int k = 3 * i;
+  return vec3(given_harmonics[k / 4][k % 4], given_harmonics[(k + 1) / 4][(k + 1) % 4],
+              given_harmonics[(k + 2) / 4][(k + 2) % 4]);
+}
+#define FRAME_GIVEN
 #include "frame.glsl"
 #include "spheres.glsl"
 #include "outputs.glsl"
@@ -10,7 +23,6 @@ layout(location = 40) uniform vec2 sample_places[SAMPLES];
 layout(binding = 4) uniform usampler2D seen;
 #endif
 layout(location = 1) uniform uint first_instance;  // of the channel
-layout(std140, binding = 4) uniform SetMaterial { ObjectMaterial set_material; };
 
 struct SpherePoint {
   vec3 position;  // relative to the eye, ENU
@@ -74,7 +86,9 @@ vec3 sphere_light(uint slot, vec2 pixel) {
   p.normal = s.normal;
   vec3 color = unpackUnorm4x8(sphere_looks[slot].x).rgb;
   p.tint = color * color;
-  return object_light(p, set_material, ObjectSite(s.normal, s.per_radius));
+  ObjectMaterial material =
+      ObjectMaterial(given_material[0], given_material[1], given_material[2], given_material[3]);
+  return object_light(p, material, ObjectSite(s.normal, s.per_radius));
 }
 #endif
 
