@@ -24,6 +24,8 @@ namespace {
 constexpr GLuint kIndexUnit = 4;
 // Elements of one draw: llvmpipe's memory for the vertices of more comes from the system, and goes back to it, each time.
 constexpr std::uint32_t kDrawElements = 1020;
+// After so many draws the pixels may begin: llvmpipe keeps what it has set up in memory that comes from the system, too.
+constexpr std::size_t kFlushDraws = 12;
 // Up to these radii on the screen, in pixels, spheres are drawn by triangles and by squares: what setting up more
 // triangles costs is more than the pixels that they spare.
 constexpr double kTriangle_px = 5, kSquare_px = 24;
@@ -40,7 +42,7 @@ constexpr std::size_t kLarge = 2, kAtEdge = 3, kNear = 4;
 int elements_of(int corners) { return 3 * (corners - 2); }
 std::uint32_t spheres_a_draw(int corners) { return kDrawElements / static_cast<std::uint32_t>(elements_of(corners)); }
 
-// Of the polygons of one draw, and of one more: llvmpipe does not take those as they are that end with the buffer.
+// Of the polygons of one draw, and of one more: llvmpipe copies those one by one that end with the buffer.
 gl::Buffer draw_elements(int corners) { return buffer_of(polygon_elements(corners, spheres_a_draw(corners) + 1)); }
 
 }  // namespace
@@ -235,14 +237,15 @@ void SphereBatch::draw_indices(const Program& program, int corners, std::size_t 
   if (corners > 3) glVertexArrayElementBuffer(array_.id(), elements_[corners == 4 ? 0 : 1].id());
   const std::size_t most = spheres_a_draw(corners);
   for (std::size_t at = 0; at < count; at += most) {
-    if (corners == 3) {
-      glDrawArrays(GL_TRIANGLES, static_cast<GLint>(3 * at), static_cast<GLsizei>(3 * std::min(most, count - at)));
-      continue;
-    }
     const auto spheres = static_cast<GLsizei>(std::min(most, count - at));
-    glDrawRangeElementsBaseVertex(GL_TRIANGLES, 0, static_cast<GLuint>(spheres * corners - 1),
-                                  spheres * elements_of(corners), GL_UNSIGNED_SHORT, nullptr,
-                                  static_cast<GLint>(at) * corners);
+    const auto base = static_cast<GLint>(at) * corners;
+    if (corners == 3) {
+      glDrawArrays(GL_TRIANGLES, base, 3 * spheres);
+    } else {
+      glDrawRangeElementsBaseVertex(GL_TRIANGLES, 0, static_cast<GLuint>(spheres * corners - 1),
+                                    spheres * elements_of(corners), GL_UNSIGNED_SHORT, nullptr, base);
+    }
+    if ((at / most + 1) % kFlushDraws == 0) glFlush();
   }
 }
 
