@@ -336,12 +336,16 @@ void print_spheres(Context& context, const std::string& name, const SphereSet& s
   Times times[kWays + 1];
   const std::optional<Peer> before = vtk(set, camera, repeats);
   for (int i = -1; i < repeats; ++i) {
-    Times ignored;
-    const auto into = [&](int k) -> Times& { return i < 0 ? ignored : times[k]; };
+    // Each method's frame follows one of its own, as the peer's do, and not another's.
+    const auto take = [&](int k, const auto& draw) {
+      draw();
+      Times ignored;
+      (i < 0 ? ignored : times[k]).add(draw);
+    };
     for (int k = 0; k < kWays; ++k) {
-      into(k).add([&] { need(renderers[static_cast<std::size_t>(k)].render(camera, frame)); });
+      take(k, [&] { need(renderers[static_cast<std::size_t>(k)].render(camera, frame)); });
     }
-    into(kWays).add([&] {
+    take(kWays, [&] {
       mesh.draw(target);
       static_cast<void>(target.read_rgba8());
     });
