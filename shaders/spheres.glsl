@@ -11,8 +11,10 @@
 // centre's depth; and where the near plane may cut the front off:
 //   place: xyz: the eye in the sphere's frame; w: the sphere's value there
 //   look: colour; number within the set; radius, as bits
-layout(std430, binding = 3) readonly buffer SpherePlaces { vec4 sphere_places[]; };
-layout(std430, binding = 4) readonly buffer SphereLooks { uvec4 sphere_looks[]; };
+layout(binding = 9) uniform samplerBuffer sphere_places;
+layout(binding = 10) uniform usamplerBuffer sphere_looks;
+vec4 sphere_place(uint slot) { return texelFetch(sphere_places, int(slot)); }
+uvec4 sphere_look(uint slot) { return texelFetch(sphere_looks, int(slot)); }
 
 // Rays counted from the depth of the centre: o + k d, o the place there as seen from the centre, d 1 along the view axis.
 // Half the chord is sqrt(half2) / d^2; where half2 < 0 the ray passes. By Lagrange's identity it is a difference of squares

@@ -27,9 +27,9 @@ void main() {
   int drawn = gl_VertexID / corner_count;
   int corner_index = gl_VertexID - drawn * corner_count;
   sphere_slot = first_drawn + uint(drawn);
-  place = sphere_places[sphere_slot];
+  place = sphere_place(sphere_slot);
 #ifdef NEAR
-  float radius = uintBitsToFloat(sphere_looks[sphere_slot].z);
+  float radius = uintBitsToFloat(sphere_look(sphere_slot).z);
   per_radius = 1.0 / radius;
   vec3 c = -place.xyz * radius;
   vec2 slope = c.xy / c.z;

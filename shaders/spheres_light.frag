@@ -34,7 +34,7 @@ struct SpherePoint {
 
 // Requires: the sphere is met by the ray there, or passed within rounding. NEAR: where some of the set's are near.
 SpherePoint sphere_point(uint slot, vec2 pixel) {
-  vec4 place = sphere_places[slot];
+  vec4 place = sphere_place(slot);
   float per_radius = 1.0 / place.w;
   SphereRay ray = sphere_ray(pixel, place);
   float k = sphere_front(ray);
@@ -42,7 +42,7 @@ SpherePoint sphere_point(uint slot, vec2 pixel) {
   // From the centre: the ray's place at the centre's depth, and on from there. On the unit sphere, in the view's axes.
   vec3 p = vec3(ray.o + ray.d * k, k) * per_radius;
 #ifdef NEAR
-  uint radius = sphere_looks[slot].z;
+  uint radius = sphere_look(slot).z;
   if (radius != 0u) {
     per_radius = 1.0 / uintBitsToFloat(radius);
     depth = sphere_first_near(pixel, place, per_radius, forward.w, true);
@@ -84,7 +84,7 @@ vec3 sphere_light(uint slot, vec2 pixel) {
   ObjectPoint p;
   p.position = s.position;
   p.normal = s.normal;
-  vec3 color = unpackUnorm4x8(sphere_looks[slot].x).rgb;
+  vec3 color = unpackUnorm4x8(sphere_look(slot).x).rgb;
   p.tint = color * color;
   ObjectMaterial material =
       ObjectMaterial(given_material[0], given_material[1], given_material[2], given_material[3]);
@@ -130,7 +130,7 @@ void main() {
   SpherePoint s = sphere_point(id - 1u, gl_FragCoord.xy);
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
   out_normal = vec4(s.normal, 0.0);
-  out_label = vec2(5.0, float(first_instance + sphere_looks[id - 1u].y));
+  out_label = vec2(5.0, float(first_instance + sphere_look(id - 1u).y));
 #else
   out_color = vec4(frame_tone(sphere_light(id - 1u, gl_FragCoord.xy)), 1.0);
 #endif

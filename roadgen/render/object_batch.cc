@@ -92,8 +92,9 @@ gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
 }  // namespace
 
 Status ObjectBatch::check_room(const ObjectScene& scene) {
-  GLint most = 0;
+  GLint most = 0, texels = 0;
   glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   const std::string buffers = "more than this OpenGL driver's buffers of " + std::to_string(most >> 20) + " MiB hold";
   std::array<std::size_t, 16> counts{};
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -108,7 +109,9 @@ Status ObjectBatch::check_room(const ObjectScene& scene) {
   }
   for (std::size_t i = 0; i < scene.sphere_sets.size(); ++i) {
     const std::size_t count = scene.sphere_sets[i].items.size();
-    if (count * sizeof(glm::vec4) <= static_cast<std::size_t>(most)) continue;
+    if (count * sizeof(glm::vec4) <= static_cast<std::size_t>(most) && count <= static_cast<std::size_t>(texels)) {
+      continue;
+    }
     return Error{ErrorCode::kData,
                  "its " + std::to_string(count) + " spheres are " + buffers + "; split it into several sets",
                  {},

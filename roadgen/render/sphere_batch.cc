@@ -20,8 +20,8 @@
 namespace roadgen {
 namespace {
 
-// Where shaders/spheres_light.frag finds the indices.
-constexpr GLuint kIndexUnit = 4;
+// Where shaders/spheres_light.frag finds the indices, and shaders/spheres.glsl what is drawn.
+constexpr GLuint kIndexUnit = 4, kPlacesUnit = 9, kLooksUnit = 10;
 // Elements of one draw: llvmpipe's memory for the vertices of more comes from the system, and goes back to it, each time.
 constexpr std::uint32_t kDrawElements = 1020;
 // After so many draws the pixels may begin: llvmpipe keeps what it has set up in memory that comes from the system, too.
@@ -92,15 +92,17 @@ void SphereBatch::add(const ObjectScene& scene, const SphereSet& set, std::uint3
 }
 
 template <class T>
-void SphereBatch::FrameBuffer::bind(GLuint binding, const std::vector<T>& data) {
+void SphereBatch::FrameBuffer::bind(GLuint unit, GLenum format, const std::vector<T>& data) {
   const auto bytes = static_cast<GLsizeiptr>(data.size() * sizeof(T));
   if (bytes > room) {
     room = bytes + bytes / 2;
     buffer = gl::Buffer::with_data(room, nullptr, GL_DYNAMIC_STORAGE_BIT);
+    texels = gl::Texture::create(GL_TEXTURE_BUFFER);
   }
   glNamedBufferSubData(buffer.id(), 0, bytes, data.data());
   // No more than this: what lies behind is of other frames.
-  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer.id(), 0, bytes);
+  glTextureBufferRange(texels.id(), format, buffer.id(), 0, bytes);
+  glBindTextureUnit(unit, texels.id());
 }
 
 Result<const SphereBatch::IndexPrograms*> SphereBatch::index_programs(int samples) {
@@ -291,8 +293,8 @@ Status SphereBatch::draw_set(Set& set, const ObjectView& view, const IndexProgra
       if (program->id() != 0) glProgramUniform2fv(program->id(), 40, view.samples, &sample_places[0].x);
     }
   }
-  set.places.bind(3, places_);
-  set.drawn_looks.bind(4, looks_);
+  set.places.bind(kPlacesUnit, GL_RGBA32F, places_);
+  set.drawn_looks.bind(kLooksUnit, GL_RGBA32UI, looks_);
   glBindVertexArray(array_.id());
 
   glBindFramebuffer(GL_FRAMEBUFFER, target_.id());

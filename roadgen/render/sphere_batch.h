@@ -41,9 +41,10 @@ class SphereBatch {
   // What a frame fills, as large as one had to be.
   struct FrameBuffer {
     gl::Buffer buffer;
+    gl::Texture texels;
     GLsizeiptr room = 0;
     template <class T>
-    void bind(GLuint binding, const std::vector<T>& data);
+    void bind(GLuint unit, GLenum format, const std::vector<T>& data);
   };
   struct Set {
     std::vector<ObjectGroup> groups;
