@@ -14,10 +14,10 @@ layout(location = 3) uniform vec2 corners[32];  // around the unit circle
 // Rasterizers round corners to 1/256 of a pixel.
 const float kProxyRoom_px = 0.01;
 
-flat out uint sphere_slot;
-flat out vec4 place;
+flat out uvec4 slot_and_lens;
+flat out vec4 place;  // lengths in distances of the near plane
 #ifdef NEAR
-flat out float per_radius;
+flat out float per_radius;  // likewise
 #endif
 #ifdef IN_PLANE
 out vec2 in_plane;  // the place in the circle's plane
@@ -26,17 +26,19 @@ out vec2 in_plane;  // the place in the circle's plane
 void main() {
   int drawn = gl_VertexID / corner_count;
   int corner_index = gl_VertexID - drawn * corner_count;
-  sphere_slot = first_drawn + uint(drawn);
+  uint sphere_slot = first_drawn + uint(drawn);
+  slot_and_lens = uvec4(sphere_slot, floatBitsToUint(vec3(right.w, eye_phase.zw)));
   place = sphere_place(sphere_slot);
 #ifdef NEAR
   float radius = uintBitsToFloat(sphere_look(sphere_slot).z);
-  per_radius = 1.0 / radius;
+  per_radius = forward.w / radius;
   vec3 c = -place.xyz * radius;
   vec2 slope = c.xy / c.z;
 #else
   float radius = place.w;
   vec2 slope = place.xy * right.w - eye_phase.zw;
   vec3 c = vec3(slope, 1.0) * place.z;
+  place.zw /= forward.w;
 #endif
   float near = forward.w;
   vec2 scale = 1.0 / eye_phase.zw;
