@@ -14,6 +14,7 @@
 #include "roadgen/fit/passings.h"
 #include "roadgen/road/crossing.h"
 #include "roadgen/road/off_ground.h"
+#include "roadgen/road/vault_room.h"
 
 namespace roadgen {
 namespace {
@@ -30,7 +31,8 @@ constexpr double kInside =
     1 - 0.8 * kLimitPart;  // limits for the fit, so that what is left of them is within kLimitPart
 // Forces that bounds withstand, in metres of difference from the ground times metres of road: what passes over another road
 // comes first, what a hill wants over a tunnel last.
-constexpr double kPassingStrength = 1e6, kGradeStrength = 1e5, kCurvatureStrength = 1e5, kTunnelStrength = 20;
+constexpr double kPassingStrength = 1e6, kGradeStrength = 1e5, kCurvatureStrength = 1e5, kMeantStrength = 3e3,
+                 kTunnelStrength = 20;
 constexpr double kPortal_m = 25,
                  kCover_m = 1.5;  // of tunnels: where the hill begins to matter, and what is wanted of it
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
@@ -136,6 +138,7 @@ class HeightFitter {
   void take(const LinearFit& fit);
   void lean(const LinearFit& fit);
   void remake_areas();
+  void make_room();
   void measure(const LinearFit& fit);
   void measure_limits();
   void tell(std::string message, std::string element) const {
@@ -400,6 +403,9 @@ void HeightFitter::add_passings(LinearFit& fit) const {
     LinearSum above = height_of(passing.upper);
     above.add(height_of(passing.lower), -1);
     fit.bound(above, std::min(passing.above_m, options_.clearance_m), kNoBound, 0.01, kPassingStrength);
+    if (passing.is_meant && passing.above_m < options_.clearance_m) {
+      fit.bound(above, options_.clearance_m, kNoBound, 0.01, kMeantStrength);
+    }
   }
 }
 
@@ -477,6 +483,16 @@ void HeightFitter::remake_areas() {
     return std::binary_search(gone.begin(), gone.end(), road.id.substr(0, road.id.rfind(".corner.")));
   });
   std::move(corners.begin(), corners.end(), std::back_inserter(network_.roads));
+}
+
+// Vaults end where roads pass through them at the new heights.
+void HeightFitter::make_room() {
+  for (const VaultGap& gap : trim_vaults(network_)) {
+    char text[96];
+    std::snprintf(text, sizeof text, "no room for its vault from s = %.1f m to %.1f m, where a road passes above",
+                  gap.s_start_m, gap.s_end_m);
+    tell(text, "road " + network_.roads[gap.road].id);
+  }
 }
 
 void HeightFitter::measure(const LinearFit& fit) {
@@ -574,6 +590,7 @@ Result<HeightFitReport> HeightFitter::run() {
   measure_limits();
   lean(fit);
   remake_areas();
+  make_room();
   return report_;
 }
 
