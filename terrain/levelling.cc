@@ -399,6 +399,15 @@ double Levelling::over_tunnels_m(glm::dvec2 point_m) const {
   double highest = -std::numeric_limits<double>::infinity();
   if (supports_.hollows().empty()) return highest;
   const glm::dvec3 flat(point_m, 0);
+  for (const Hall& hall : supports_.halls()) {
+    const Box box = hall.box();
+    const glm::dvec2 off = glm::max(glm::dvec2(box.low_m) - point_m, point_m - glm::dvec2(box.high_m));
+    if (std::max(off.x, off.y) > kTunnelSides_m) continue;
+    const double beside = std::max(-signed_distance_m(hall.surface, point_m, 2 * kTunnelSides_m), 0.0);
+    if (beside > kTunnelSides_m) continue;
+    const double roof = height_m_at(hall.surface, point_m) + hall.height_m + options_.cover_m;
+    highest = std::max(highest, roof - options_.fill_slope * beside);
+  }
   hollow_tree_.search({flat, flat}, {.reach_m = kTunnelSides_m}, [&](std::uint32_t item) {
     const Hollow& h = supports_.hollows()[item];
     const glm::dvec2 p = to_chord(h.segment, point_m);

@@ -500,6 +500,7 @@ Plates::Plates(const Network& network, const Supports& supports, double wanted_e
   std::vector<std::vector<Plate>> parts(roads + network.junctions.size());
   for_chunks(parts.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     if (i >= roads) {
+      if (supports.of_junction(i - roads) == Support::kTunnel) return;
       AreaPlates(network.junctions[i - roads], kJunctionPart * wanted_error_m).add_to(parts[i]);
       for (Plate& plate : parts[i]) plate.set_support(supports.of_junction(i - roads));
     } else if (!in_area[i]) {

@@ -56,7 +56,7 @@ struct ClearanceBounds {
 
 class Plates {
  public:
-  // Of all roads that are drawn and all junction areas, but for tunnels under higher ground. Those of bridges are not
+  // Of all roads that are drawn and all junction areas, but for those in tunnels under higher ground. Those of bridges are not
   // levelled. wanted_error_m: plates are divided until their error is at most this, or they are 0.2 m long. Cost: about
   // 2 us a plate, of which a road has one per 2 to 8 m and side.
   explicit Plates(const Network& network, const Supports& supports = {}, double wanted_error_m = 0.004);

@@ -35,6 +35,17 @@ bool is_on_bridge(const std::vector<Bridge>& bridges, double s_m) {
                      [&](const Bridge& b) { return b.s_start_m <= s_m + kMeet_m && s_m - kMeet_m <= b.s_end_m; });
 }
 
+// Of the outside of the vault at s, above the road; 0 where there is none.
+double vault_height_m(const Road& road, double s_m) {
+  double height = 0;
+  for (const Sweep& sweep : road.sweeps) {
+    const auto* tunnel = std::get_if<Tunnel>(&sweep.shape);
+    if (!tunnel || s_m < sweep.s_start_m - kMeet_m || s_m > sweep.s_end_m + kMeet_m) continue;
+    height = std::max(height, tunnel->wall_height_m + tunnel->arch_rise_m + tunnel->lining_m);
+  }
+  return height;
+}
+
 // The road as a row of parts without gaps: on the ground but for the given ones, of which later ones win.
 std::vector<Supports::Part> parts_of(const Road& road, const std::vector<Supports::Part>& raised) {
   std::vector<double> ends = {0, road.length_m()};
@@ -124,15 +135,35 @@ Supports::Supports(const Network& network, const Ground& ground_m, double cover_
     first_[i] = static_cast<std::uint32_t>(segments_.size());
     cut(road, parts_of(road, raised));
   }
+  add_junctions(network, ground_m, cover_m);
+}
+
+void Supports::add_junctions(const Network& network, const Ground& ground_m, double cover_m) {
   const RoadsById by_id = roads_by_id(network);
   for (const Junction& junction : network.junctions) {
-    const bool on_bridges = std::all_of(junction.arms.begin(), junction.arms.end(), [&](const JunctionArm& arm) {
-      const auto found = by_id.find(arm.road);
-      if (found == by_id.end()) return false;
-      const Road& road = network.roads[found->second];
-      return is_on_bridge(road.bridges, arm.at_end ? road.length_m() : 0);
+    const auto all_arms = [&](const auto& is_one) {
+      return !junction.arms.empty() &&
+             std::all_of(junction.arms.begin(), junction.arms.end(), [&](const JunctionArm& arm) {
+               const auto found = by_id.find(arm.road);
+               return found != by_id.end() && !network.roads[found->second].segments.empty() &&
+                      is_one(static_cast<std::uint32_t>(found->second), arm.at_end);
+             });
+    };
+    const bool on_bridges = all_arms([&](std::uint32_t i, bool at_end) {
+      return is_on_bridge(network.roads[i].bridges, at_end ? network.roads[i].length_m() : 0);
     });
-    junctions_.push_back(on_bridges && !junction.arms.empty() ? Support::kBridge : Support::kGround);
+    Hall hall;
+    const bool in_tunnels = all_arms([&](std::uint32_t i, bool at_end) {
+      const Road& road = network.roads[i];
+      const auto segment = static_cast<std::uint32_t>(at_end ? road.segments.size() - 1 : 0);
+      const std::span<const SupportedPart> parts = of(network, {i, segment});
+      hall.height_m = std::max(hall.height_m, vault_height_m(road, at_end ? road.length_m() : 0));
+      return (at_end ? parts.back() : parts.front()).support == Support::kTunnel;
+    });
+    if (in_tunnels) hall.surface = junction_surface(junction);
+    const bool is_hall = in_tunnels && is_covered(hall, ground_m, cover_m);
+    junctions_.push_back(on_bridges ? Support::kBridge : is_hall ? Support::kTunnel : Support::kGround);
+    if (is_hall) halls_.push_back(std::move(hall));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "roadgen/query/footprint.h"
 #include "roadgen/road/network.h"
+#include "terrain/hall.h"
 #include "terrain/hollow.h"
 
 namespace roadgen {
@@ -31,7 +32,8 @@ class Supports {
   // By Road::bridges, cut off at the road's ends. A junction area is a bridge's where all its arms are on bridges.
   // Tunnels: where the ground without them, seen every metre, is cover_m higher than the vault's crown over all of its width
   // and the carriageway is within its walls, for at least least_m or all of the road. Elsewhere a tunnel's road lies on
-  // the ground, which is cut open for it, and so do junction areas in tunnels, which have no vault.
+  // the ground, which is cut open for it. A junction area is a tunnel's where all its arms end in tunnels under a hill that
+  // covers the area too.
   // Requires: the network outlives this and stays unchanged. Cost: O(roads + metres of tunnels).
   using Ground = std::function<double(glm::dvec2)>;
   Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m);
@@ -47,6 +49,8 @@ class Supports {
   double length_m(Support support) const { return length_m_[static_cast<std::size_t>(support)]; }
   // The clear spaces of all parts in tunnels.
   const std::vector<Hollow>& hollows() const { return hollows_; }
+  // The junction areas in tunnels.
+  const std::vector<Hall>& halls() const { return halls_; }
 
   // A part of a road.
   struct Part {
@@ -57,6 +61,7 @@ class Supports {
  private:
   void add_tunnels(const Road& road, const Ground& ground_m, double cover_m, double least_m, std::vector<Part>& raised);
   void cut(const Road& road, const std::vector<Part>& parts);
+  void add_junctions(const Network& network, const Ground& ground_m, double cover_m);
 
   static constexpr std::uint32_t kPlain = 0xffffffffu;
   std::vector<std::uint32_t> first_;  // of each road: the place of its first segment in segments_, or kPlain
@@ -67,6 +72,7 @@ class Supports {
   std::vector<SupportedPart> stretches_;
   std::vector<Support> junctions_;
   std::vector<Hollow> hollows_;
+  std::vector<Hall> halls_;
   std::array<std::size_t, 3> count_{};  // of roads that are not on the ground as a whole
   std::array<double, 3> length_m_{};
 };

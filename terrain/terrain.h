@@ -167,7 +167,7 @@ class Terrain {
 
   // The same under a point whose height tells the hill over a tunnel from the tunnel: where the point lies below the
   // vault, the tunnel's floor, which is the walkways' top and between them the carriageway's surface without raised
-  // lanes; elsewhere the mesh. So of a place of the mesh that is cut away the floor is told. Tunnels that are cut open have
+  // lanes; in a junction's area in tunnels its surface; elsewhere the mesh. So of a place of the mesh that is cut away the floor is told. Tunnels that are cut open have
   // no floor but the ground. Cost: as above, and 1 us near tunnels.
   double height_m(glm::dvec3 point_m) const;
   glm::dvec3 normal(glm::dvec3 point_m) const;

@@ -10,6 +10,6 @@ namespace roadgen {
 // less than kLeastStructure_m would be left.
 // touches_*: other roads part from it there without an area between them; there is no rail across those.
 void add_structures(Road& road, const WayTags& of, bool touches_start, bool touches_end);
-inline constexpr double kLeastStructure_m = 5;
+inline constexpr double kLeastStructure_m = 2;
 
 }  // namespace roadgen

@@ -13,6 +13,7 @@ constexpr double kStep_m = 2, kCell_m = 32;
 constexpr double kApart_m = 30;       // along one road that passes over its own tunnel
 constexpr double kOverVault_m = 0.1;  // of the road above over the vault's outside
 constexpr double kReach_m = 16;       // beside its axis, beyond which no vault is
+constexpr double kBeside_m = 1.2;     // a road that is so little within the outside lies beside it
 
 // A cross section of a tunnel.
 struct Station {
@@ -97,7 +98,7 @@ void Trimmer::pass(glm::dvec3 point_m, std::uint32_t road, double s_m) {
     if (station.road == road && std::abs(station.s_m - s_m) < kApart_m) continue;
     const glm::dvec2 d = glm::dvec2(point_m) - station.at_m;
     const double along = glm::dot(d, station.ahead), across = d.y * station.ahead.x - d.x * station.ahead.y;
-    if (std::abs(along) <= kStep_m && std::abs(across) <= station.half_m) station.has_room = false;
+    if (std::abs(along) <= kStep_m && std::abs(across) <= station.half_m - kBeside_m) station.has_room = false;
   }
 }
 

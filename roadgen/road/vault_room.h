@@ -18,7 +18,7 @@ struct VaultGap {
 // kBesideVault_m or more and below the vault's outside, seen about every 2 m. What is left of a tunnel stays, but for pieces
 // shorter than kLeastVault_m. Cost: O(metres of tunnels + segments).
 std::vector<VaultGap> trim_vaults(Network& network);
-inline constexpr double kBesideVault_m = 0.25;  // what lies lower is a road that parts from the tunnel's
-inline constexpr double kLeastVault_m = 5;
+inline constexpr double kBesideVault_m = 1;  // what lies lower is a road that parts from the tunnel's
+inline constexpr double kLeastVault_m = 2;
 
 }  // namespace roadgen
