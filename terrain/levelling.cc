@@ -154,7 +154,7 @@ Levelling::Levelling(const RoadIndex& index, const Grid& natural, const Levellin
     : Levelling(index, natural, options, std::make_shared<const Grid>(distance_from_roads(index.network(), natural))) {}
 
 // What covers a tunnel may also be the ground of a road that crosses above it: that of all roads, were every tunnel under a
-// hill, tells.
+// hill, tells. Or it is filled up, where no road on the ground is in the way.
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
                      const std::shared_ptr<const Grid>& distance)
     : Levelling(index, natural, options, distance, [&] {
@@ -163,7 +163,11 @@ Levelling::Levelling(const RoadIndex& index, const Grid& natural, const Levellin
             index.network(), [](glm::dvec2) { return kEverywhere; }, options.cover_m, 0);
         if (closed.parts(Support::kTunnel) == 0) return closed;
         const Levelling above(index, natural, options, distance, std::move(closed));
-        const auto ground_m = [&](glm::dvec2 p) { return std::max(sample_bicubic(natural, p), above.height_m(p)); };
+        const auto ground_m = [&](glm::dvec2 p) {
+          const double beyond = above.edge_distance_m(p, options.shoulder_m + kMostRoof_m) - options.shoulder_m;
+          const double natural_m = sample_bicubic(natural, p), roof = std::clamp(beyond, 0.0, kMostRoof_m);
+          return std::max(natural_m + roof, above.height_m(p));
+        };
         return Supports(index.network(), ground_m, options.cover_m, kLeastHill * options.shoulder_m);
       }()) {}
 
@@ -429,7 +433,8 @@ double Levelling::over_tunnels_m(glm::dvec2 point_m) const {
 
 // The natural ground levelled to the roads on it, and the distance from the nearest.
 double Levelling::levelled_m(glm::dvec2 point_m, double& edge_m) const {
-  const double natural = sample_bicubic(natural_, point_m);
+  const double over_tunnels = over_tunnels_m(point_m), bare = sample_bicubic(natural_, point_m);
+  const double natural = std::max(bare, std::min(over_tunnels, bare + kMostRoof_m));
   const double reach = options_.reach_m, limit = reach + options_.shoulder_m;
   const Wish wish = nearest_roads(point_m, limit);
   edge_m = wish.edge_m;
@@ -450,7 +455,7 @@ double Levelling::levelled_m(glm::dvec2 point_m, double& edge_m) const {
     ground = approach_m(level, natural, allowance_m(from, slope, reach - before) / (1 + ramp * ramp));
   }
   if (d < width) ground = std::min(ground, own - ditch_m(d, part * options_.ditch_depth_m, options_));
-  return std::max(ground, std::min(natural, over_tunnels_m(point_m)));
+  return std::max(ground, std::min(natural, over_tunnels));
 }
 
 }  // namespace roadgen

@@ -9,6 +9,7 @@ namespace {
 // Parts whose ends lie nearer to one another, or to a joint, than this meet there.
 constexpr double kMeet_m = 1e-3;
 constexpr double kRounding_m = 1e-6;  // of joints
+constexpr double kJoinedPart = 0.4;   // of the least length of a hill where it may go on over the next road
 
 // Of a segment on the ground as a whole: by whether its road starts and ends with it.
 constexpr std::array<SupportedPart, 4> whole_parts() {
@@ -183,8 +184,11 @@ void Supports::add_tunnels(const Road& road, const Ground& ground_m, double cove
     for (Part& hill : hills) {
       hill.s_start_m = snapped_m(road, hill.s_start_m);
       hill.s_end_m = snapped_m(road, hill.s_end_m);
-      const bool all = hill.s_start_m == 0 && hill.s_end_m == snapped_m(road, road.length_m());
-      if (!all && hill.s_end_m - hill.s_start_m < least_m) continue;
+      // Where the road is joined to others the hill may go on over them.
+      const bool from_start = hill.s_start_m == 0, to_end = hill.s_end_m == snapped_m(road, road.length_m());
+      const bool goes_on = (from_start && road.joined_start) || (to_end && road.joined_end);
+      const double least = goes_on ? kJoinedPart * least_m : least_m;
+      if (!(from_start && to_end) && hill.s_end_m - hill.s_start_m < least) continue;
       raised.push_back(hill);
       for (const SweepPart& piece : pieces) add_hollows(road, piece, hill.s_start_m, hill.s_end_m, hollows_);
     }
