@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/road/link.h"
+#include "terrain/over_roads.h"
 
 namespace roadgen {
 namespace {
@@ -153,23 +154,28 @@ Grid distance_from_roads(const Network& network, const Grid& like) {
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options)
     : Levelling(index, natural, options, std::make_shared<const Grid>(distance_from_roads(index.network(), natural))) {}
 
-// What covers a tunnel may also be the ground of a road that crosses above it: that of all roads, were every tunnel under a
-// hill, tells. Or it is filled up, where no road on the ground is in the way.
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
                      const std::shared_ptr<const Grid>& distance)
-    : Levelling(index, natural, options, distance, [&] {
-        constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-        Supports closed(
-            index.network(), [](glm::dvec2) { return kEverywhere; }, options.cover_m, 0);
-        if (closed.parts(Support::kTunnel) == 0) return closed;
-        const Levelling above(index, natural, options, distance, std::move(closed));
-        const auto ground_m = [&](glm::dvec2 p) {
-          const double beyond = above.edge_distance_m(p, options.shoulder_m + kMostRoof_m) - options.shoulder_m;
-          const double natural_m = sample_bicubic(natural, p), roof = std::clamp(beyond, 0.0, kMostRoof_m);
-          return std::max(natural_m + roof, above.height_m(p));
-        };
-        return Supports(index.network(), ground_m, options.cover_m, kLeastHill * options.shoulder_m);
-      }()) {}
+    : Levelling(index, natural, options, distance, find_supports(index, natural, options, distance)) {}
+
+// What covers a tunnel may also be the ground of a road that crosses above it: that of all roads, were every tunnel under a
+// hill, tells. Or it is filled up, where no road on the ground is in the way.
+Supports Levelling::find_supports(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
+                                  const std::shared_ptr<const Grid>& distance) {
+  const double least_m = kLeastHill * options.shoulder_m;
+  const auto everywhere = [](glm::dvec2) { return std::numeric_limits<double>::infinity(); };
+  Supports closed(index.network(), everywhere, options.cover_m, 0);
+  const bool has_tunnels = closed.parts(Support::kTunnel) > 0;
+  const Levelling above(index, natural, options, distance, std::move(closed));
+  const auto ground_m = [&](glm::dvec2 p) {
+    const double beyond = above.edge_distance_m(p, options.shoulder_m + kMostRoof_m) - options.shoulder_m;
+    const double natural_m = sample_bicubic(natural, p), roof = std::clamp(beyond, 0.0, kMostRoof_m);
+    return std::max(natural_m + roof, above.height_m(p));
+  };
+  const Supports known = has_tunnels ? Supports(index.network(), ground_m, options.cover_m, least_m) : above.supports();
+  const AssumedBridges assumed = bridges_over_roads(index, known, options.shoulder_m, options.cut_slope);
+  return Supports(index.network(), ground_m, options.cover_m, least_m, assumed);
+}
 
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
                      std::shared_ptr<const Grid> distance, Supports supports)

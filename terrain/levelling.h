@@ -103,6 +103,8 @@ class Levelling {
             const std::shared_ptr<const Grid>& distance);
   Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
             std::shared_ptr<const Grid> distance, Supports supports);
+  static Supports find_supports(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
+                                const std::shared_ptr<const Grid>& distance);
   void find_raised();
   Wish nearest_roads(glm::dvec2 point_m, double limit_m) const;
   double levelled_m(glm::dvec2 point_m, double& edge_m) const;

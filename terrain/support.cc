@@ -56,14 +56,16 @@ std::vector<Supports::Part> parts_of(const Road& road, const std::vector<Support
   for (const double end : ends) {
     const double from = parts.empty() ? 0 : parts.back().s_end_m, middle = 0.5 * (from + end);
     if (end - from <= kMeet_m) continue;
-    Support support = Support::kGround;
+    Supports::Part next{Support::kGround, from, end};
     for (const Supports::Part& part : raised) {
-      if (part.s_start_m < middle && middle < part.s_end_m) support = part.support;
+      if (!(part.s_start_m < middle && middle < part.s_end_m)) continue;
+      next.support = part.support;
+      next.is_assumed = part.is_assumed;
     }
-    if (!parts.empty() && parts.back().support == support) {
+    if (!parts.empty() && parts.back().support == next.support && parts.back().is_assumed == next.is_assumed) {
       parts.back().s_end_m = end;
     } else {
-      parts.push_back({support, from, end});
+      parts.push_back(next);
     }
   }
   if (parts.empty()) parts.push_back({Support::kGround, 0, 0});
@@ -121,12 +123,21 @@ void add_hills(const Road& road, const SweepPart& piece, const Supports::Ground&
 
 }  // namespace
 
-Supports::Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m) {
+Supports::Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m)
+    : Supports(network, ground_m, cover_m, least_m, AssumedBridges{}) {}
+
+Supports::Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m,
+                   const AssumedBridges& assumed) {
   first_.assign(network.roads.size(), kPlain);
   for (std::size_t i = 0; i < network.roads.size(); ++i) {
     const Road& road = network.roads[i];
     if (road.segments.empty()) continue;
     std::vector<Part> raised;
+    if (i < assumed.of_road.size()) {
+      for (const Part& part : assumed.of_road[i]) {
+        raised.push_back({Support::kBridge, snapped_m(road, part.s_start_m), snapped_m(road, part.s_end_m), true});
+      }
+    }
     for (const Bridge& bridge : road.bridges) {
       if (!(bridge.s_end_m > bridge.s_start_m)) continue;
       raised.push_back({Support::kBridge, snapped_m(road, bridge.s_start_m), snapped_m(road, bridge.s_end_m)});
@@ -136,10 +147,11 @@ Supports::Supports(const Network& network, const Ground& ground_m, double cover_
     first_[i] = static_cast<std::uint32_t>(segments_.size());
     cut(road, parts_of(road, raised));
   }
-  add_junctions(network, ground_m, cover_m);
+  add_junctions(network, ground_m, cover_m, assumed);
 }
 
-void Supports::add_junctions(const Network& network, const Ground& ground_m, double cover_m) {
+void Supports::add_junctions(const Network& network, const Ground& ground_m, double cover_m,
+                             const AssumedBridges& assumed) {
   const RoadsById by_id = roads_by_id(network);
   for (const Junction& junction : network.junctions) {
     const auto all_arms = [&](const auto& is_one) {
@@ -163,7 +175,10 @@ void Supports::add_junctions(const Network& network, const Ground& ground_m, dou
     });
     if (in_tunnels) hall.surface = junction_surface(junction);
     const bool is_hall = in_tunnels && is_covered(hall, ground_m, cover_m);
-    junctions_.push_back(on_bridges ? Support::kBridge : is_hall ? Support::kTunnel : Support::kGround);
+    const bool is_assumed = !on_bridges && !is_hall && junctions_.size() < assumed.junctions.size() &&
+                            assumed.junctions[junctions_.size()] != 0;
+    assumed_.push_back(is_assumed);
+    junctions_.push_back(on_bridges || is_assumed ? Support::kBridge : is_hall ? Support::kTunnel : Support::kGround);
     if (is_hall) halls_.push_back(std::move(hall));
   }
 }
@@ -198,6 +213,11 @@ void Supports::add_tunnels(const Road& road, const Ground& ground_m, double cove
 void Supports::cut(const Road& road, const std::vector<Part>& parts) {
   const bool goes_around = road.closed && parts.front().support == parts.back().support;
   for (const Part& part : parts) {
+    if (part.is_assumed) {
+      ++assumed_count_;
+      assumed_length_m_ += part.s_end_m - part.s_start_m;
+      continue;
+    }
     ++count_[static_cast<std::size_t>(part.support)];
     length_m_[static_cast<std::size_t>(part.support)] += part.s_end_m - part.s_start_m;
   }
@@ -212,6 +232,7 @@ void Supports::cut(const Road& road, const std::vector<Part>& parts) {
       if (from < s0 + kRounding_m) from = s0;
       if (to > s1 - kRounding_m) to = s1;
       stretches_.push_back({.support = part.support,
+                            .is_assumed = part.is_assumed,
                             .s0_m = from - s0,
                             .s1_m = to == s1 ? segment.arc_m : to - s0,
                             .u0 = from == s0 ? 0 : u_at_arc(segment, from - s0),

@@ -20,10 +20,13 @@ enum class Support { kGround, kBridge, kTunnel };
 // A part of one segment that has one support.
 struct SupportedPart {
   Support support = Support::kGround;
+  bool is_assumed = false;                      // a bridge that the network does not know of
   double s0_m = 0, s1_m = 0;                    // from the segment's start; s1_m may lie beyond its end
   double u0 = 0, u1 = 1;                        // the same of the chord parameter
   bool starts_here = false, ends_here = false;  // not where a neighbour with the same support goes on
 };
+
+struct AssumedBridges;
 
 // Of every road and junction area of a network. A default-constructed one knows nothing but ground.
 class Supports {
@@ -35,7 +38,10 @@ class Supports {
   // the ground, which is cut open for it. A junction area is a tunnel's where all its arms end in tunnels under a hill that
   // covers the area too.
   // Requires: the network outlives this and stays unchanged. Cost: O(roads + metres of tunnels).
+  // assumed: bridges that the network does not know of; none where there is another support.
   using Ground = std::function<double(glm::dvec2)>;
+  Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m,
+           const AssumedBridges& assumed);
   Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m);
 
   // In the order of s, without gaps. Cost: O(1).
@@ -43,10 +49,13 @@ class Supports {
   Support of_junction(std::size_t junction) const {
     return junction < junctions_.size() ? junctions_[junction] : Support::kGround;
   }
+  bool is_assumed(std::size_t junction) const { return junction < assumed_.size() && assumed_[junction] != 0; }
 
-  // How many parts of roads have a support, and their length.
+  // How many parts of roads have a support, but for assumed bridges, and their length.
   std::size_t parts(Support support) const { return count_[static_cast<std::size_t>(support)]; }
   double length_m(Support support) const { return length_m_[static_cast<std::size_t>(support)]; }
+  std::size_t assumed_parts() const { return assumed_count_; }
+  double assumed_m() const { return assumed_length_m_; }
   // The clear spaces of all parts in tunnels.
   const std::vector<Hollow>& hollows() const { return hollows_; }
   // The junction areas in tunnels.
@@ -56,12 +65,13 @@ class Supports {
   struct Part {
     Support support;
     double s_start_m, s_end_m;
+    bool is_assumed = false;
   };
 
  private:
   void add_tunnels(const Road& road, const Ground& ground_m, double cover_m, double least_m, std::vector<Part>& raised);
   void cut(const Road& road, const std::vector<Part>& parts);
-  void add_junctions(const Network& network, const Ground& ground_m, double cover_m);
+  void add_junctions(const Network& network, const Ground& ground_m, double cover_m, const AssumedBridges& assumed);
 
   static constexpr std::uint32_t kPlain = 0xffffffffu;
   std::vector<std::uint32_t> first_;  // of each road: the place of its first segment in segments_, or kPlain
@@ -75,6 +85,15 @@ class Supports {
   std::vector<Hall> halls_;
   std::array<std::size_t, 3> count_{};  // of roads that are not on the ground as a whole
   std::array<double, 3> length_m_{};
+  std::vector<char> assumed_;  // [junction]
+  std::size_t assumed_count_ = 0;
+  double assumed_length_m_ = 0;
+};
+
+// Bridges that a network does not know of.
+struct AssumedBridges {
+  std::vector<std::vector<Supports::Part>> of_road;  // parts of roads, on bridges
+  std::vector<char> junctions;                       // areas that are
 };
 
 }  // namespace roadgen

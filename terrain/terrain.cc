@@ -319,6 +319,8 @@ void Terrain::Impl::measure(const Network& network, const Supports& supports, co
   }
   report.bridge_parts = supports.parts(Support::kBridge);
   report.bridge_m = supports.length_m(Support::kBridge);
+  report.assumed_bridge_parts = supports.assumed_parts();
+  report.assumed_bridge_m = supports.assumed_m();
   report.tunnel_parts = supports.parts(Support::kTunnel);
   report.tunnel_m = supports.length_m(Support::kTunnel);
 }

@@ -122,6 +122,9 @@ struct TerrainReport {
   double deepest_cut_m = 0, highest_fill_m = 0;
   std::size_t bridge_parts = 0;  // parts of roads on bridges, and their length
   double bridge_m = 0;
+  // The same of roads over others that the network knows no bridge of.
+  std::size_t assumed_bridge_parts = 0;
+  double assumed_bridge_m = 0;
   std::size_t tunnel_parts = 0;  // in tunnels under a hill that is kept, and their length
   double tunnel_m = 0;
   std::size_t triangles_cut = 0;  // that reach into these tunnels

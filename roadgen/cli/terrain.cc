@@ -58,6 +58,8 @@ Json describe(const Elevation& elevation, const Network& network, const TerrainR
       {"wanted_max_m", options.most_clearance_m},
       {"bridge_parts", report.bridge_parts},
       {"bridge_m", report.bridge_m},
+      {"assumed_bridge_parts", report.assumed_bridge_parts},
+      {"assumed_bridge_m", report.assumed_bridge_m},
       {"tunnel_parts", report.tunnel_parts},
       {"tunnel_m", report.tunnel_m},
       {"triangles_cut_for_tunnels", report.triangles_cut},
