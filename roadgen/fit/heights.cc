@@ -33,7 +33,7 @@ constexpr double kInside =
 // comes first, what a hill wants over a tunnel last.
 constexpr double kPassingStrength = 1e6, kGradeStrength = 1e5, kCurvatureStrength = 1e5, kMeantStrength = 3e3,
                  kTunnelStrength = 100;
-constexpr double kPortal_m = 10,
+constexpr double kPortal_m = 5,
                  kCover_m = 1.5;  // of tunnels: where the hill begins to matter, and what is wanted of it
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNone = 0xffffffffu;

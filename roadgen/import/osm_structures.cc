@@ -10,22 +10,10 @@ namespace {
 constexpr double kRailFree_m = 80;                     // from where roads part without an area between them
 constexpr double kRailOff_m = 0.2, kWallOff_m = 0.75;  // beyond the edges
 
-// The parts of a structure between the segments that bend too tightly for it, but for the shortest.
 void add_where_wide(Road& road, const Sweep& sweep) {
   if (!bad_numbers(road, sweep).empty()) return;
-  double from = sweep.s_start_m;
-  const auto add_to = [&](double to) {
-    if (to - from < kLeastStructure_m) return;
-    road.sweeps.push_back(sweep);
-    road.sweeps.back().s_start_m = from;
-    road.sweeps.back().s_end_m = to;
-  };
-  for (const double s_m : tight_places(road, sweep)) {
-    const Segment& tight = road.segments[segment_at(road, s_m + 1e-6)];
-    add_to(tight.s_start_m);
-    from = tight.s_start_m + tight.arc_m;
-  }
-  add_to(sweep.s_end_m);
+  const std::vector<Sweep> parts = parts_between_tight_bends(road, sweep, kLeastStructure_m);
+  road.sweeps.insert(road.sweeps.end(), parts.begin(), parts.end());
 }
 
 }  // namespace

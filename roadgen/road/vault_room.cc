@@ -149,10 +149,12 @@ void Trimmer::trim(Road& road, std::uint32_t index, std::vector<VaultGap>& gaps)
     const auto keep = [&](double to) {
       const bool is_long = to - from >= kLeastVault_m;
       if (is_long) {
-        kept.push_back(whole);
-        kept.back().t_m += whole.t_slope * (from - whole.s_start_m);
-        kept.back().s_start_m = from;
-        kept.back().s_end_m = to;
+        Sweep part = whole;
+        part.t_m += whole.t_slope * (from - whole.s_start_m);
+        part.s_start_m = from;
+        part.s_end_m = to;
+        const std::vector<Sweep> parts = parts_between_tight_bends(road, part, kLeastVault_m);
+        kept.insert(kept.end(), parts.begin(), parts.end());
       }
       return is_long ? to : from;
     };
