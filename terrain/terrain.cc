@@ -322,6 +322,7 @@ void Terrain::Impl::measure(const Network& network, const Supports& supports, co
   report.assumed_bridge_parts = supports.assumed_parts();
   report.assumed_bridge_m = supports.assumed_m();
   report.tunnel_parts = supports.parts(Support::kTunnel);
+  report.tunnel_areas = supports.halls().size();
   report.tunnel_m = supports.length_m(Support::kTunnel);
 }
 

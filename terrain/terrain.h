@@ -127,6 +127,7 @@ struct TerrainReport {
   double assumed_bridge_m = 0;
   std::size_t tunnel_parts = 0;  // in tunnels under a hill that is kept, and their length
   double tunnel_m = 0;
+  std::size_t tunnel_areas = 0;   // junctions' areas in such tunnels
   std::size_t triangles_cut = 0;  // that reach into these tunnels
   std::size_t voids_filled = 0;
   std::size_t triangles = 0, vertices = 0, tiles = 0;

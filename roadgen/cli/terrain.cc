@@ -62,6 +62,7 @@ Json describe(const Elevation& elevation, const Network& network, const TerrainR
       {"assumed_bridge_m", report.assumed_bridge_m},
       {"tunnel_parts", report.tunnel_parts},
       {"tunnel_m", report.tunnel_m},
+      {"tunnel_areas", report.tunnel_areas},
       {"triangles_cut_for_tunnels", report.triangles_cut},
       {"triangles_under_roads", report.triangles_under_roads},
       {"too_deep_part", report.too_deep},
