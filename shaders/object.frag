@@ -118,7 +118,7 @@ void main() {
   ObjectRay ray = ray_at(pixel, shape);
   ObjectHits hits = NAME_HITS(ray.o, ray.d, ray.at_o, shape);
   int first = object_first(hits, least);
-#if defined(IN_PLANE) && defined(PROXY_ROUND)
+#if defined(IN_PLANE) && defined(PROXY_OUTLINE)
   if (dot(in_plane, in_plane) > 1.0) first = -1;
 #endif
 #if SAMPLES > 1

@@ -205,7 +205,7 @@ void SphereBatch::draw_indices(const Program& program, int corners, std::size_t 
   glUniform1ui(1, static_cast<GLuint>(first));
   if (program.has_uniform("corners[0]")) {
     glUniform1i(2, corners);
-    const std::vector<glm::vec3> around = proxy_mesh(Proxy::kRound, corners).corners;
+    const std::vector<glm::vec3> around = proxy_mesh(Proxy::kPolygon, corners).corners;
     for (std::size_t i = 0; i < around.size(); ++i) glUniform2f(3 + static_cast<GLint>(i), around[i].x, around[i].y);
   }
   if (corners == 3) {

@@ -427,6 +427,42 @@ void print_full_screen(Context& context, int repeats) {
   }
 }
 
+// Many of a kind -------------------------------------------------------------------------------------------------------------
+
+// Frames of objects of one kind beside and behind one another, about 64 and 12 pixels wide: what proxies cost and spare.
+void print_kinds(Context& context, int repeats) {
+  fmt::print(
+      "\nObjects of one kind over {} x {} pixels, read back, process ms\n\n| shape | 60 large | 2,000 small |\n"
+      "|---|---|---|\n",
+      kSize, kSize);
+  ShapeRandom names(1);
+  for (int kind = 0; kind < test::kShapeKinds; ++kind) {
+    std::string row = fmt::format("| {}", shape_name(test::random_shape(kind, names)));
+    for (const auto& [count, distance] : {std::pair(60, 12.0), std::pair(2000, 64.0)}) {
+      ObjectScene scene;
+      ShapeRandom random(static_cast<std::uint64_t>(kind) + 3);
+      for (int i = 0; i < count; ++i) {
+        Object& object = scene.objects.emplace_back();
+        object.shape = test::random_shape(kind, random);
+        object.transform = glm::dmat4(random.rotation());
+        const double x = distance * random.uniform(0.8, 1.2);
+        object.transform[3] = glm::dvec4(x, x * random.uniform(-0.5, 0.5), x * random.uniform(-0.5, 0.5), 1);
+      }
+      Renderer renderer = need(Renderer::create(context));
+      need(renderer.load_objects(scene, {.shadows = false}));
+      Times times;
+      for (int i = -1; i < repeats; ++i) {
+        Times ignored;
+        (i < 0 ? ignored : times).add([&] {
+          need(renderer.render({}, {.width = kSize, .height = kSize, .samples = 1}));
+        });
+      }
+      row += fmt::format(" | {:.1f}", median(times.process));
+    }
+    fmt::print("{} |\n", row);
+  }
+}
+
 // Conservative depth -----------------------------------------------------------------------------------------------------
 
 // The same scenes with and without the promise that what is written is never nearer than the polygon.
@@ -595,7 +631,7 @@ int run(int argc, char** argv) {
   CLI::App app("What objects cost, and what else would.");
   std::string data = ROADGEN_SOURCE_DIR "/../shared/data/geometry/";
   std::string xyzr = data + "pdb/ribosome_4V5A_first99130.xyzr", mesh = data + "common-3d/spot.obj";
-  std::string pictures, parts = "ellipse,spheres,screen,depth,proxies";
+  std::string pictures, parts = "ellipse,spheres,screen,kinds,depth,proxies";
   int repeats = 9;
   app.add_option("--xyzr", xyzr, "spheres, a line x y z radius each")->capture_default_str();
   app.add_option("--mesh", mesh, "a mesh that 35,947 spheres are spread over")->capture_default_str();
@@ -613,6 +649,7 @@ int run(int argc, char** argv) {
   if (wanted("ellipse")) print_ellipse(*context);
   if (wanted("spheres")) print_clouds(*context, xyzr, mesh, repeats);
   if (wanted("screen")) print_full_screen(*context, repeats);
+  if (wanted("kinds")) print_kinds(*context, repeats);
   if (wanted("depth")) print_depth(*context, read_xyzr(xyzr), repeats);
   if (wanted("proxies")) print_wasted(*context);
   return 0;
