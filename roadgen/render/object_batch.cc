@@ -224,6 +224,7 @@ Result<const Program*> ObjectBatch::program(const Kind& kind, const ObjectView& 
                                 : "PROXY_HULL",
                      ""});
   if (options_.texture_space && (row.flat || (sphere && !rectangle))) defines.push_back({"IN_PLANE", ""});
+  if (row.flat || sphere) defines.push_back({"ONE_SURFACE", ""});
   if (view.channels) defines.push_back({"CHANNELS", ""});
   if (!view.channels) {
     add_materials(defines, kind.materials);

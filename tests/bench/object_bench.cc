@@ -432,13 +432,16 @@ void print_full_screen(Context& context, int repeats) {
 // Frames of objects of one kind beside and behind one another, about 64 and 12 pixels wide: what proxies cost and spare.
 void print_kinds(Context& context, int repeats) {
   fmt::print(
-      "\nObjects of one kind over {} x {} pixels, read back, process ms\n\n| shape | 60 large | 2,000 small |\n"
-      "|---|---|---|\n",
+      "\nObjects of one kind over {} x {} pixels, read back, process ms\n\n| shape | 60 large | 2,000 small | 60 "
+      "large, "
+      "4 samples |\n|---|---|---|---|\n",
       kSize, kSize);
   ShapeRandom names(1);
   for (int kind = 0; kind < test::kShapeKinds; ++kind) {
     std::string row = fmt::format("| {}", shape_name(test::random_shape(kind, names)));
-    for (const auto& [count, distance] : {std::pair(60, 12.0), std::pair(2000, 64.0)}) {
+    for (const int column : {0, 1, 2}) {
+      const int count = column == 1 ? 2000 : 60;
+      const double distance = column == 1 ? 64 : 12;
       ObjectScene scene;
       ShapeRandom random(static_cast<std::uint64_t>(kind) + 3);
       for (int i = 0; i < count; ++i) {
@@ -454,7 +457,7 @@ void print_kinds(Context& context, int repeats) {
       for (int i = -1; i < repeats; ++i) {
         Times ignored;
         (i < 0 ? ignored : times).add([&] {
-          need(renderer.render({}, {.width = kSize, .height = kSize, .samples = 1}));
+          need(renderer.render({}, {.width = kSize, .height = kSize, .samples = column == 2 ? 4 : 1}));
         });
       }
       row += fmt::format(" | {:.1f}", median(times.process));
