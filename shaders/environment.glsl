@@ -8,10 +8,18 @@ layout(std140, binding = 2) uniform EnvironmentLight {
 layout(binding = 6) uniform samplerCube environment_map;
 layout(binding = 7) uniform sampler2D environment_table;
 
+#ifndef FRAME_GIVEN
+vec3 environment_harmonic(int i) { return environment_harmonics[i].rgb; }
+#endif
+
 // What a white diffuse surface sends out.
 vec3 environment_diffuse(vec3 n) {
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < 9; ++i) sum += environment_harmonics[i].rgb * light_harmonic(i, n);
+  // Written out, since drivers leave a loop over light_harmonic, with its many returns, a loop.
+  vec3 sum = environment_harmonic(0) * light_harmonic(0, n) + environment_harmonic(1) * light_harmonic(1, n) +
+             environment_harmonic(2) * light_harmonic(2, n) + environment_harmonic(3) * light_harmonic(3, n) +
+             environment_harmonic(4) * light_harmonic(4, n) + environment_harmonic(5) * light_harmonic(5, n) +
+             environment_harmonic(6) * light_harmonic(6, n) + environment_harmonic(7) * light_harmonic(7, n) +
+             environment_harmonic(8) * light_harmonic(8, n);
   return max(sum, vec3(0.0));
 }
 

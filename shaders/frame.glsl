@@ -1,6 +1,8 @@
 // What all stages know of the frame. Positions on the GPU are relative to the eye, along the ENU axes.
 #include "lib/sky.glsl"
 
+// FRAME_GIVEN: what includes this has what it needs of it by the same names.
+#ifndef FRAME_GIVEN
 layout(std140, binding = 0) uniform Frame {
   mat4 clip_from_relative;  // reversed depth: near plane 1, infinity 0
   vec4 eye_high;            // eye in ENU metres = eye_high + eye_low (two floats hold what one double does)
@@ -13,6 +15,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 ground;              // x: lowest ground relative to the eye, m; y: 1 / relief, per m;
                             // z: which materials have textures: 1 grass, 2 rock, 4 gravel
 };
+#endif
 
 // The view direction (1 along the view axis) at a corner of the picture, each coordinate of which is -1 or 1.
 vec3 frame_corner_ray(vec2 corner) {

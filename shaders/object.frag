@@ -1,4 +1,5 @@
-// Casts the pixel's ray at one object. NAME_HITS and so on are the primitive's functions.
+// Casts the pixel's ray at one object. NAME_HITS and so on are the primitive's functions. ONE_SURFACE: no part of it hides
+// another.
 #include "frame.glsl"
 #include "objects.glsl"
 #include "outputs.glsl"
@@ -23,6 +24,12 @@ layout(location = 1) uniform uint first_instance;  // of the channel
 layout(depth_less) out float gl_FragDepth;
 #endif
 
+// Of the object, read once.
+ObjectShape shape = object_shape(objects[index]);
+// Its columns are the rows of the shape's frame from the world.
+mat3 inverse_ = mat3(vec3(objects[index].inverse[0].xyz), vec3(objects[index].inverse[1].xyz),
+                     vec3(objects[index].inverse[2].xyz));
+
 struct ObjectRay {
   vec3 o;
   vec3 d;
@@ -30,7 +37,7 @@ struct ObjectRay {
 };
 
 // Through a place of the picture, in pixels.
-ObjectRay ray_at(vec2 pixel, ObjectShape shape) {
+ObjectRay ray_at(vec2 pixel) {
   vec2 at = pixel - place.xy;
   vec3 across = per_x * at.x + per_y * at.y;
   ObjectRay r;
@@ -48,25 +55,19 @@ struct ObjectSite {
   int face;
 };
 
-vec3 in_shape(vec3 v) {
-  return vec3(dot(vec3(objects[index].inverse[0].xyz), v), dot(vec3(objects[index].inverse[1].xyz), v),
-              dot(vec3(objects[index].inverse[2].xyz), v));
-}
+vec3 in_shape(vec3 v) { return v * inverse_; }
 
 vec3 object_normal(ObjectSite site, vec3 offset) {
-  vec3 slope = NAME_NORMAL(site.p + in_shape(offset), site.face, object_shape(objects[index]));
-  return normalize(vec3(objects[index].inverse[0].xyz) * slope.x + vec3(objects[index].inverse[1].xyz) * slope.y +
-                   vec3(objects[index].inverse[2].xyz) * slope.z);
+  return normalize(inverse_ * NAME_NORMAL(site.p + in_shape(offset), site.face, shape));
 }
 
 vec2 object_uv(ObjectSite site, vec3 offset) {
-  return NAME_UV(site.p + in_shape(offset), site.face, object_shape(objects[index]));
+  return NAME_UV(site.p + in_shape(offset), site.face, shape);
 }
 
 // Of a solid every second hit leaves it.
 bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
   next = site;
-  ObjectShape shape = object_shape(objects[index]);
   if ((shape.flags & OBJECT_SOLID) == 0) return false;
   vec3 d = in_shape(direction);
   // Face 0 is where the value is 0; the others are cuts.
@@ -86,16 +87,110 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
 #include "object_light.glsl"
 #endif
 
-// Which samples of the pixel the object covers: the surface is shaded once, its outline is taken at each of them.
+// What the ray through a place of the picture meets first.
+struct ObjectMet {
+  bool any;
+  float k;
+  ObjectSite site;
+  vec2 pixel;
+};
+
+// Of the view through it, 1 along the view axis.
+vec3 met_direction(ObjectMet met) {
+  vec2 from_middle = (met.pixel - vec2(view_size.xy)) * right.w;
+  return forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
+}
+
+// Unit; of open shapes to the eye.
+vec3 met_normal(ObjectMet met) {
+  vec3 normal = object_normal(met.site, vec3(0.0));
+  return (shape.flags & OBJECT_SOLID) == 0 && dot(normal, met_direction(met)) > 0.0 ? -normal : normal;
+}
+
+#ifndef IN_TEXTURE_SPACE
+ObjectMet met_at(vec2 pixel) {
+  ObjectRay ray = ray_at(pixel);
+  ObjectHits hits = NAME_HITS(ray.o, ray.d, ray.at_o, shape);
+  int first = object_first(hits, forward.w - place.z);
+  float k = hits.k[0];
+  int face = hits.face[0];
+  for (int i = 1; i < 4; ++i) {
+    k = first == i ? hits.k[i] : k;
+    face = first == i ? hits.face[i] : face;
+  }
+  return ObjectMet(first >= 0, k, ObjectSite(ray.o + ray.d * k, face), pixel);
+}
+#endif
+
+#ifndef CHANNELS
+vec3 tone_of(ObjectMet met) {
+  ObjectPoint point;
+  point.position = met_direction(met) * (place.z + met.k);
+  point.normal = met_normal(met);
+  point.tint = vec3(1.0);
+  ObjectMaterial material = object_materials[floatBitsToUint(objects[index].axes[1].w)];
+  return frame_tone(object_light(point, material, met.site));
+}
+#endif
+
 #if SAMPLES > 1
 layout(location = 2) uniform int sample_count;              // SAMPLES, unknown to compilers: they would write the loop out
 layout(location = 3) uniform vec2 sample_places[SAMPLES];  // from the pixel's centre
+
+// Samples that see surfaces whose normals are farther apart than this (cosine) are shaded apart.
+const float kSameSurface = 0.9;
+
+// What the samples of a pixel see, of which there is one colour: the surface at the centre, or else at the first sample on
+// the object, and the first that is another one, as beyond a rim or where a box cuts an open surface off before its back.
+struct ObjectPixel {
+  int mask;
+  ObjectMet met;
+  ObjectMet other;
+  int samples;  // of met
+  int others;   // of other; < SAMPLES
+};
+
+ObjectPixel pixel_at(vec2 center) {
+  ObjectPixel pixel;
+  pixel.mask = 0;
+  pixel.met = met_at(center);
+  pixel.other = pixel.met;
+  pixel.samples = 0;
+  pixel.others = 0;
+  vec3 normal = met_normal(pixel.met);
+  for (int i = 0; i < sample_count; ++i) {
+    if ((gl_SampleMaskIn[0] & (1 << i)) == 0) continue;
+    ObjectMet met = met_at(center + sample_places[i]);
+    if (!met.any) continue;
+    pixel.mask |= 1 << i;
+#ifdef ONE_SURFACE
+    if (!pixel.met.any) pixel.met = met;
+    const bool same = true;
+#else
+    vec3 there = met_normal(met);
+    if (!pixel.met.any) {
+      pixel.met = met;
+      normal = there;
+    }
+    bool same = met.site.face == pixel.met.site.face && dot(there, normal) > kSameSurface;
+#endif
+    if (same) {
+      ++pixel.samples;
+    } else {
+      if (pixel.others == 0) pixel.other = met;
+      ++pixel.others;
+    }
+  }
+  if (pixel.samples == 0) {
+    pixel.met = pixel.other;
+    pixel.samples = pixel.others;
+    pixel.others = 0;
+  }
+  return pixel;
+}
 #endif
 
 void main() {
-  ObjectInstance object = objects[index];
-  ObjectShape shape = object_shape(object);
-  vec2 pixel = gl_FragCoord.xy;
 #ifdef IN_TEXTURE_SPACE
 #if SAMPLES > 1
   int mask = 0;
@@ -110,67 +205,40 @@ void main() {
 #else
   if (NAME_INSIDE(in_plane, shape) > 0.0) discard;
 #endif
-  vec3 p = vec3(in_plane, 0.0);
-  int face = 0;
-  float depth = forward.w / max(gl_FragCoord.z, 1e-30);
+  ObjectMet met = ObjectMet(true, forward.w / max(gl_FragCoord.z, 1e-30) - place.z, ObjectSite(vec3(in_plane, 0.0), 0),
+                            gl_FragCoord.xy);
+#elif SAMPLES > 1
+  ObjectPixel pixel = pixel_at(gl_FragCoord.xy);
+  gl_SampleMask[0] = pixel.mask;
+  if (pixel.mask == 0) discard;
+  ObjectMet met = pixel.met;
 #else
-  float least = forward.w - place.z;
-  ObjectRay ray = ray_at(pixel, shape);
-  ObjectHits hits = NAME_HITS(ray.o, ray.d, ray.at_o, shape);
-  int first = object_first(hits, least);
-#if defined(IN_PLANE) && defined(PROXY_ROUND)
-  if (dot(in_plane, in_plane) > 1.0) first = -1;
+  ObjectMet met = met_at(gl_FragCoord.xy);
+#if defined(IN_PLANE) && defined(PROXY_OUTLINE)
+  if (dot(in_plane, in_plane) > 1.0) met.any = false;
 #endif
-#if SAMPLES > 1
-  int mask = 0;
-  for (int i = 0; i < sample_count; ++i) {
-    if ((gl_SampleMaskIn[0] & (1 << i)) == 0) continue;
-    vec2 at = gl_FragCoord.xy + sample_places[i];
-    ObjectRay other = ray_at(at, shape);
-    ObjectHits met = NAME_HITS(other.o, other.d, other.at_o, shape);
-    int number = object_first(met, least);
-    if (number < 0) continue;
-    mask |= 1 << i;
-    if (first >= 0) continue;
-    // The centre is not on the object: shade where the first sample is.
-    pixel = at;
-    ray = other;
-    hits = met;
-    first = number;
-  }
-  gl_SampleMask[0] = mask;
+  if (!met.any) discard;
 #endif
-  if (first < 0) discard;
-  float k = hits.k[0];
-  int face = hits.face[0];
-  for (int i = 1; i < 4; ++i) {
-    k = first == i ? hits.k[i] : k;
-    face = first == i ? hits.face[i] : face;
-  }
-  vec3 p = ray.o + ray.d * k;
-  float depth = place.z + k;
-#endif
-  vec3 slope = NAME_NORMAL(p, face, shape);
-  vec3 normal = vec3(object.inverse[0].xyz) * slope.x + vec3(object.inverse[1].xyz) * slope.y +
-                vec3(object.inverse[2].xyz) * slope.z;
-  normal = normalize(normal);
-  vec2 from_middle = (pixel - vec2(view_size.xy)) * right.w;
-  vec3 direction = forward.xyz + right.xyz * from_middle.x + up.xyz * from_middle.y;
-  bool open = (shape.flags & OBJECT_SOLID) == 0;
-  if (open && dot(normal, direction) > 0.0) normal = -normal;
 #ifdef CHANNELS
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
-  out_normal = vec4(normal, 0.0);
-  out_label = vec2(5.0, float(first_instance + floatBitsToUint(object.axes[0].w)));
+  out_normal = vec4(met_normal(met), 0.0);
+  out_label = vec2(5.0, float(first_instance + floatBitsToUint(objects[index].axes[0].w)));
 #else
-  ObjectPoint point;
-  point.position = direction * depth;
-  point.normal = normal;
-  point.material = floatBitsToUint(object.axes[1].w);
-  point.tint = vec3(1.0);
-  out_color = vec4(frame_tone(object_light(point, ObjectSite(p, face))), 1.0);
+#if SAMPLES > 1 && !defined(ONE_SURFACE)
+  // Once, or twice where there are others: a loop whose end compilers do not know, since drivers that run both sides of every
+  // branch leave loops early.
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i <= pixel.others; i += max(pixel.others, 1)) {
+    sum += float(i == 0 ? pixel.samples : pixel.others) * tone_of(met);
+    met = pixel.other;
+  }
+  met = pixel.met;
+  out_color = vec4(sum / float(pixel.samples + pixel.others), 1.0);
+#else
+  out_color = vec4(tone_of(met), 1.0);
+#endif
 #endif
 #ifndef IN_TEXTURE_SPACE
-  gl_FragDepth = min(forward.w / max(depth, forward.w), gl_FragCoord.z);
+  gl_FragDepth = min(forward.w / max(place.z + met.k, forward.w), gl_FragCoord.z);
 #endif
 }

@@ -1,7 +1,8 @@
 // A polygon or a hull that covers one object on the screen, and the object's rays: in its own frame they are linear in the
 // pixel, o + k d with d = ahead + x per_x + y per_y, (x, y) pixels from `place`, and o = origin + place.z (x per_x + y per_y).
 // place.z is the depth that k is counted from: that of the object's centre, or 0 where the eye is near it.
-// NAME_PROXY is the primitive's own function; what is drawn, PROXY_ROUND, PROXY_RECTANGLE, PROXY_FLAT or PROXY_HULL.
+// What is drawn, PROXY_OUTLINE, PROXY_RECTANGLE, PROXY_FLAT or PROXY_HULL; NAME_PROXY, NAME_NEAR and NAME_OUTLINE are the
+// primitive's own functions.
 #include "frame.glsl"
 #include "objects.glsl"
 
@@ -88,7 +89,7 @@ void main() {
   double a = center.z * center.z - squares.z;
   dvec2 b = center.xy * center.z - mixed;
   dvec2 disc = b * b - a * (center.xy * center.xy - squares.xy);
-  vec2 side = sign(corner.xy);
+  vec2 side = sign(object_around(corner));
   if (a <= 1e-6 * center.z * center.z || center.z <= 0.0 || disc.x <= 0.0 || disc.y <= 0.0) {
     gl_Position = whole_screen(side, 1.0);
   } else {
@@ -96,15 +97,18 @@ void main() {
     gl_Position = vec4(m * scale, depth, 1.0);
   }
 #else
-#ifdef PROXY_ROUND
-  if (eye2 < 1.03) {
-    gl_Position = whole_screen(corner.xy, 1.0);
+#ifdef PROXY_OUTLINE
 #ifdef IN_PLANE
-    in_plane = vec2(0.0);
+  in_plane = vec2(0.0);
 #endif
+  if (NAME_NEAR(eye, shape)) {
+    gl_Position = whole_screen(object_around(corner) * corner.z, 1.0);
     return;
   }
-  vec3 q = sphere_circle(corner.x, corner.y, eye * inversesqrt(eye2), sqrt(eye2));
+  vec3 q = NAME_OUTLINE(corner, eye, shape);
+#ifdef IN_PLANE
+  in_plane = object_around(corner);
+#endif
 #else
 #ifdef PROXY_HULL
   for (int i = 0; i < 3; ++i) {
@@ -113,9 +117,9 @@ void main() {
   }
 #endif
   vec3 q = NAME_PROXY(corner, shape);
-#endif
 #ifdef IN_PLANE
   in_plane = corner.xy;
+#endif
 #endif
   vec3 offset = object.axes[0].xyz * q.x + object.axes[1].xyz * q.y + object.axes[2].xyz * q.z;
   dvec3 at = center + dvec3(object_in_view(dvec3(offset)));

@@ -32,7 +32,6 @@ const int kMostBounces = 4;
 struct ObjectPoint {
   vec3 position;  // relative to the eye, ENU, m
   vec3 normal;    // unit, outward; of flat and open shapes to the eye
-  uint material;
   vec3 tint;      // linear, times the material's base colour
 };
 
@@ -82,8 +81,7 @@ float object_mirror_width(ObjectSite site, vec3 position, vec3 mirrored, vec3 st
   return max(length(beside - mirrored), length(above - mirrored));
 }
 
-vec3 object_light(ObjectPoint p, ObjectSite site) {
-  ObjectMaterial m = object_materials[p.material];
+vec3 object_light(ObjectPoint p, ObjectMaterial m, ObjectSite site) {
   float distance_m = length(p.position);
   vec3 d = p.position / max(distance_m, 1e-6);
   bool within = dot(p.normal, d) > 0.0;

@@ -1,12 +1,21 @@
-// Which sphere a pixel, or a sample, sees: its index and depth alone. What it looks like is computed once a pixel
+// Which sphere a pixel, or a sample, sees: its slot and depth alone. What it looks like is computed once a pixel
 // (spheres_light.frag), however many spheres lie behind one another there.
+
+// Beside the slot what it needs of the frame, for the reason that spheres_light.vert names. The unit of length is the near
+// plane's distance, so that it needs no more.
+flat in uvec4 slot_and_lens;
+vec4 right = vec4(0.0, 0.0, 0.0, uintBitsToFloat(slot_and_lens.y));
+vec4 up = vec4(0.0);
+vec4 forward = vec4(0.0, 0.0, 0.0, 1.0);
+vec4 sun = vec4(0.0);
+vec4 eye_phase = vec4(0.0, 0.0, uintBitsToFloat(slot_and_lens.zw));
+#define FRAME_GIVEN
 #include "frame.glsl"
 #include "spheres.glsl"
 
-flat in uint sphere_index;
 flat in vec4 place;
 #ifdef NEAR
-flat in vec4 eye;
+flat in float per_radius;
 #endif
 #ifdef IN_PLANE
 in vec2 in_plane;
@@ -16,16 +25,16 @@ layout(location = 40) uniform vec2 sample_places[SAMPLES];  // from the pixel's 
 #endif
 
 layout(depth_less) out float gl_FragDepth;
-layout(location = 0) out uint out_index;  // 1 + index
+layout(location = 0) out uint out_index;  // 1 + slot
 
 // Depth in the buffer of what the ray meets; 0 where it passes.
 float depth_at(vec2 pixel) {
 #ifdef NEAR
-  float k = sphere_first_near(pixel, eye, place.w, forward.w, false);
-  return k == OBJECT_FAR ? 0.0 : forward.w / k;
+  float k = sphere_first_near(pixel, place, per_radius, 1.0, false);
+  return k == OBJECT_FAR ? 0.0 : 1.0 / k;
 #else
   SphereRay r = sphere_ray(pixel, place);
-  return r.half2 < 0.0 ? 0.0 : forward.w / (place.z + sphere_front(r));
+  return r.half2 < 0.0 ? 0.0 : 1.0 / (place.z + sphere_front(r));
 #endif
 }
 
@@ -46,6 +55,6 @@ void main() {
   gl_SampleMask[0] = mask;
 #endif
   if (depth == 0.0) discard;
-  out_index = sphere_index + 1u;
+  out_index = slot_and_lens.x + 1u;
   gl_FragDepth = depth;
 }

@@ -4,26 +4,17 @@
 #include "frame.glsl"
 #include "objects.glsl"
 
-layout(std430, binding = 3) readonly buffer Spheres { vec4 spheres[]; };               // centre from the set's origin, radius
-layout(std430, binding = 4) readonly buffer SphereColors { uvec2 sphere_colors[]; };  // colour; number within the set
-layout(location = 0) uniform dvec3 set_from_eye;                                       // the origin, in the view's axes
-
-// In the view's axes, from the eye.
-dvec3 sphere_center(vec4 sphere) {
-  dvec3 p = dvec3(sphere.xyz);
-  return set_from_eye + dvec3(dot(view_right.xyz, p), dot(view_up.xyz, p), dot(view_forward.xyz, p));
-}
-
-// Whether the eye is so near, or the centre so far aside, that rays are counted from the eye, not from the centre's depth;
-// and where the near plane may cut the front off.
-bool sphere_is_near(vec3 center, float radius, float near) {
-  return dot(center, center) <= 9.0 * radius * radius || center.z <= 1.00001 * (radius + near);
-}
-
-// Of spheres that are not near: xy: the centre's image, pixels; z: its depth, m; w: radius, m.
-vec4 sphere_place(dvec3 center, float radius) {
-  return vec4(vec2(center.xy * (view_size.w / center.z) + view_size.xy), float(center.z), radius);
-}
+// The spheres that are drawn, as roadgen/render/sphere_batch.cc takes them from double. Of those that are not near:
+//   place: xy: the centre's image, pixels; z: its depth, m; w: radius, m
+//   look: colour; number within the set; 0
+// Of near ones, to which the eye is so near, or the centre so far aside, that rays are counted from the eye, not from the
+// centre's depth; and where the near plane may cut the front off:
+//   place: xyz: the eye in the sphere's frame; w: the sphere's value there
+//   look: colour; number within the set; radius, as bits
+layout(binding = 9) uniform samplerBuffer sphere_places;
+layout(binding = 10) uniform usamplerBuffer sphere_looks;
+vec4 sphere_place(uint slot) { return texelFetch(sphere_places, int(slot)); }
+uvec4 sphere_look(uint slot) { return texelFetch(sphere_looks, int(slot)); }
 
 // Rays counted from the depth of the centre: o + k d, o the place there as seen from the centre, d 1 along the view axis.
 // Half the chord is sqrt(half2) / d^2; where half2 < 0 the ray passes. By Lagrange's identity it is a difference of squares
@@ -49,8 +40,7 @@ SphereRay sphere_ray(vec2 pixel, vec4 place) {
 float sphere_front(SphereRay r) { return -(dot(r.o, r.d) + sqrt(max(r.half2, 0.0))) / r.d2; }
 
 // Near ones: k from the eye of the front, or of the back where the near plane cuts the front off; OBJECT_FAR where the ray
-// passes. clamped: then that of the place nearest to the centre. eye: in the sphere's frame; w: the sphere's value there,
-// from double.
+// passes. clamped: then that of the place nearest to the centre. eye: place of a near one.
 float sphere_first_near(vec2 pixel, vec4 eye, float per_radius, float near, bool clamped) {
   vec3 d = vec3((pixel - vec2(view_size.xy)) * right.w, 1.0) * per_radius;
   float a = dot(d, d);
@@ -58,9 +48,4 @@ float sphere_first_near(vec2 pixel, vec4 eye, float per_radius, float near, bool
   vec2 k = object_roots(a, dot(eye.xyz, d), eye.w, sqrt(max(half2, 0.0) * a));
   float first = k.x >= near ? k.x : k.y;
   return (half2 >= 0.0 || clamped) && first >= near ? first : OBJECT_FAR;
-}
-
-vec4 sphere_eye(dvec3 center, float radius) {
-  dvec3 eye = center * (-1.0lf / double(radius));
-  return vec4(vec3(eye), float(dot(eye, eye) - 1.0lf));
 }

@@ -1,10 +1,9 @@
 // A polygon around the circle in which the eye sees a sphere, or the rectangle on the screen.
-// NEAR: for spheres that sphere_is_near names.
+// NEAR: for near spheres.
 #include "frame.glsl"
 #include "spheres.glsl"
 
-layout(std430, binding = 5) readonly buffer SphereOrder { uint sphere_order[]; };
-layout(location = 1) uniform uint first_drawn;  // in sphere_order
+layout(location = 1) uniform uint first_drawn;  // slot
 #ifdef PROXY_RECTANGLE
 const int corner_count = 4;
 #else
@@ -15,10 +14,10 @@ layout(location = 3) uniform vec2 corners[32];  // around the unit circle
 // Rasterizers round corners to 1/256 of a pixel.
 const float kProxyRoom_px = 0.01;
 
-flat out uint sphere_index;
-flat out vec4 place;  // sphere_place; NEAR: w: 1 / radius
+flat out uvec4 slot_and_lens;
+flat out vec4 place;  // lengths in distances of the near plane
 #ifdef NEAR
-flat out vec4 eye;
+flat out float per_radius;  // likewise
 #endif
 #ifdef IN_PLANE
 out vec2 in_plane;  // the place in the circle's plane
@@ -27,31 +26,34 @@ out vec2 in_plane;  // the place in the circle's plane
 void main() {
   int drawn = gl_VertexID / corner_count;
   int corner_index = gl_VertexID - drawn * corner_count;
-  sphere_index = sphere_order[first_drawn + uint(drawn)];
-  vec4 sphere = spheres[sphere_index];
-  float radius = sphere.w;
-  dvec3 center = sphere_center(sphere);
-  vec3 c = vec3(center);
+  uint sphere_slot = first_drawn + uint(drawn);
+  slot_and_lens = uvec4(sphere_slot, floatBitsToUint(vec3(right.w, eye_phase.zw)));
+  place = sphere_place(sphere_slot);
+#ifdef NEAR
+  float radius = uintBitsToFloat(sphere_look(sphere_slot).z);
+  per_radius = forward.w / radius;
+  vec3 c = -place.xyz * radius;
+  vec2 slope = c.xy / c.z;
+#else
+  float radius = place.w;
+  vec2 slope = place.xy * right.w - eye_phase.zw;
+  vec3 c = vec3(slope, 1.0) * place.z;
+  place.zw /= forward.w;
+#endif
   float near = forward.w;
   vec2 scale = 1.0 / eye_phase.zw;
   // The nearest that anything of it can be: what is written is never in front of this.
   float depth = near / max(c.z - 1.00001 * radius, near);
 #ifdef NEAR
-  place = vec4(0.0, 0.0, 0.0, 1.0 / radius);
-  eye = sphere_eye(center, radius);
 #ifdef IN_PLANE
   in_plane = vec2(0.0);
 #endif
   // Behind the near plane, or all over the screen.
   bool behind = c.z + radius < near;
-  if (behind || dot(eye.xyz, eye.xyz) < 1.03 || c.z <= radius * 1.0001) {
+  if (behind || dot(place.xyz, place.xyz) < 1.03 || c.z <= radius * 1.0001) {
     gl_Position = behind ? vec4(2.0, 2.0, 2.0, 1.0) : vec4(corners[corner_index] * 2.0, 1.0, 1.0);
     return;
   }
-  vec2 slope = c.xy / c.z;
-#else
-  vec2 slope = vec2(center.xy * (1.0lf / center.z));
-  place = sphere_place(center, radius);
 #endif
 #ifdef PROXY_RECTANGLE
   // The tangent lines of the projected sphere: planes through the eye of normal (1, 0, -m) touch where (c.x - m c.z)^2 =
@@ -68,7 +70,7 @@ void main() {
 #endif
   float from2 = dot(c, c);
   vec3 q = sphere_circle(corner.x, corner.y, -c * inversesqrt(from2), sqrt(from2) / radius) * radius;
-  // Counted from the centre's slope, which is known from double.
+  // Counted from the centre's slope, which is known from double and to a thousandth of a pixel.
   float w = c.z + q.z;
   gl_Position = vec4((slope * w + (q.xy - slope * q.z)) * scale, depth * w, w);
 #endif

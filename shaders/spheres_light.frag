@@ -1,4 +1,17 @@
 // The picture, or the data, of the spheres that spheres.frag found, once a pixel.
+layout(location = 0) flat in vec4 right;  // as in frame.glsl
+layout(location = 1) flat in vec4 up;
+layout(location = 2) flat in vec4 forward;
+layout(location = 3) flat in vec4 sun;
+layout(location = 4) flat in vec4 given_material[4];
+layout(location = 8) flat in vec4 given_harmonics[7];
+vec4 eye_phase = vec4(0.0, 0.0, given_material[3].zw);
+vec3 environment_harmonic(int i) {
+  int k = 3 * i;
+  return vec3(given_harmonics[k / 4][k % 4], given_harmonics[(k + 1) / 4][(k + 1) % 4],
+              given_harmonics[(k + 2) / 4][(k + 2) % 4]);
+}
+#define FRAME_GIVEN
 #include "frame.glsl"
 #include "spheres.glsl"
 #include "outputs.glsl"
@@ -10,32 +23,30 @@ layout(location = 40) uniform vec2 sample_places[SAMPLES];
 layout(binding = 4) uniform usampler2D seen;
 #endif
 layout(location = 1) uniform uint first_instance;  // of the channel
-layout(location = 2) uniform uint set_material;
 
 struct SpherePoint {
   vec3 position;  // relative to the eye, ENU
   vec3 normal;    // outward
   vec3 direction; // 1 along the view axis
   vec3 local;     // on the unit sphere, in ENU
+  float per_radius;
 };
 
-// Requires: spheres[index] is met by the ray there, or passed within rounding. NEAR: where some of the set's are near.
-SpherePoint sphere_point(uint index, vec2 pixel) {
-  vec4 sphere = spheres[index];
-  dvec3 center = sphere_center(sphere);
-  vec3 c = vec3(center);
-  float per_radius = 1.0 / sphere.w;
-  vec4 place = sphere_place(center, sphere.w);
+// Requires: the sphere is met by the ray there, or passed within rounding. NEAR: where some of the set's are near.
+SpherePoint sphere_point(uint slot, vec2 pixel) {
+  vec4 place = sphere_place(slot);
+  float per_radius = 1.0 / place.w;
   SphereRay ray = sphere_ray(pixel, place);
   float k = sphere_front(ray);
   float depth = place.z + k;
   // From the centre: the ray's place at the centre's depth, and on from there. On the unit sphere, in the view's axes.
   vec3 p = vec3(ray.o + ray.d * k, k) * per_radius;
 #ifdef NEAR
-  if (sphere_is_near(c, sphere.w, forward.w)) {
-    vec4 eye = sphere_eye(center, sphere.w);
-    depth = sphere_first_near(pixel, eye, per_radius, forward.w, true);
-    p = eye.xyz + vec3(ray.d, 1.0) * (depth * per_radius);
+  uint radius = sphere_look(slot).z;
+  if (radius != 0u) {
+    per_radius = 1.0 / uintBitsToFloat(radius);
+    depth = sphere_first_near(pixel, place, per_radius, forward.w, true);
+    p = place.xyz + vec3(ray.d, 1.0) * (depth * per_radius);
   }
 #endif
   SpherePoint s;
@@ -43,6 +54,7 @@ SpherePoint sphere_point(uint index, vec2 pixel) {
   s.position = s.direction * depth;
   s.local = right.xyz * p.x + up.xyz * p.y + forward.xyz * p.z;
   s.normal = normalize(s.local);
+  s.per_radius = per_radius;
   return s;
 }
 
@@ -67,15 +79,16 @@ bool object_exit(ObjectSite site, vec3 direction, out ObjectSite next) {
 #ifndef CHANNELS
 #include "object_light.glsl"
 
-vec3 sphere_light(uint index, vec2 pixel) {
-  SpherePoint s = sphere_point(index, pixel);
+vec3 sphere_light(uint slot, vec2 pixel) {
+  SpherePoint s = sphere_point(slot, pixel);
   ObjectPoint p;
   p.position = s.position;
   p.normal = s.normal;
-  p.material = set_material;
-  vec3 color = unpackUnorm4x8(sphere_colors[index].x).rgb;
+  vec3 color = unpackUnorm4x8(sphere_look(slot).x).rgb;
   p.tint = color * color;
-  return object_light(p, ObjectSite(s.normal, 1.0 / spheres[index].w));
+  ObjectMaterial material =
+      ObjectMaterial(given_material[0], given_material[1], given_material[2], given_material[3]);
+  return object_light(p, material, ObjectSite(s.normal, s.per_radius));
 }
 #endif
 
@@ -117,7 +130,7 @@ void main() {
   SpherePoint s = sphere_point(id - 1u, gl_FragCoord.xy);
   out_road = vec4(-1.0, 0.0, 0.0, 0.0);
   out_normal = vec4(s.normal, 0.0);
-  out_label = vec2(5.0, float(first_instance + sphere_colors[id - 1u].y));
+  out_label = vec2(5.0, float(first_instance + sphere_look(id - 1u).y));
 #else
   out_color = vec4(frame_tone(sphere_light(id - 1u, gl_FragCoord.xy)), 1.0);
 #endif

@@ -1,9 +1,21 @@
 // Tiles of the screen in which spheres were drawn, as rectangles of a row.
+//
+// What the light needs of the frame, the environment and the material goes with them, flat, in the 15 vectors that OpenGL
+// has at least: llvmpipe looks up each number of a block at each use anew, and whether the block has it.
 #include "frame.glsl"
 #include "spheres.glsl"
+#include "environment.glsl"
 
 layout(std430, binding = 5) readonly buffer TileRuns { uvec2 tile_runs[]; };  // first and last of a row; the row
 layout(location = 3) uniform vec2 tile_size;                                   // where the screen is 2 wide and high
+layout(std140, binding = 4) uniform SetMaterial { ObjectMaterial set_material; };
+
+layout(location = 0) flat out vec4 given_right;
+layout(location = 1) flat out vec4 given_up;
+layout(location = 2) flat out vec4 given_forward;
+layout(location = 3) flat out vec4 given_sun;
+layout(location = 4) flat out vec4 given_material[4];  // last row: zw: tangents of half the field of view
+layout(location = 8) flat out vec4 given_harmonics[7];
 
 void main() {
   uvec2 run = tile_runs[gl_VertexID / 6];
@@ -11,5 +23,13 @@ void main() {
   bool right_side = corner == 1 || corner == 2 || corner == 4;
   bool top = corner == 2 || corner == 4 || corner == 5;
   vec2 tile = vec2(float(right_side ? (run.x >> 16) + 1u : run.x & 0xffffu), float(run.y + (top ? 1u : 0u)));
+  given_right = right;
+  given_up = up;
+  given_forward = forward;
+  given_sun = sun;
+  given_material = vec4[](set_material.base, set_material.surface, set_material.specular,
+                          vec4(set_material.more.xy, eye_phase.zw));
+  for (int i = 0; i < 27; ++i) given_harmonics[i / 4][i % 4] = environment_harmonics[i / 3][i % 3];
+  given_harmonics[6].w = 0.0;
   gl_Position = vec4(tile * tile_size - vec2(1.0), 0.0, 1.0);
 }

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/road/link.h"
+#include "terrain/over_roads.h"
 
 namespace roadgen {
 namespace {
@@ -153,19 +154,28 @@ Grid distance_from_roads(const Network& network, const Grid& like) {
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options)
     : Levelling(index, natural, options, std::make_shared<const Grid>(distance_from_roads(index.network(), natural))) {}
 
-// What covers a tunnel may also be the ground of a road that crosses above it: that of all roads, were every tunnel under a
-// hill, tells.
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
                      const std::shared_ptr<const Grid>& distance)
-    : Levelling(index, natural, options, distance, [&] {
-        constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-        Supports closed(
-            index.network(), [](glm::dvec2) { return kEverywhere; }, options.cover_m, 0);
-        if (closed.parts(Support::kTunnel) == 0) return closed;
-        const Levelling above(index, natural, options, distance, std::move(closed));
-        const auto ground_m = [&](glm::dvec2 p) { return std::max(sample_bicubic(natural, p), above.height_m(p)); };
-        return Supports(index.network(), ground_m, options.cover_m, kLeastHill * options.shoulder_m);
-      }()) {}
+    : Levelling(index, natural, options, distance, find_supports(index, natural, options, distance)) {}
+
+// What covers a tunnel may also be the ground of a road that crosses above it: that of all roads, were every tunnel under a
+// hill, tells. Or it is filled up, where no road on the ground is in the way.
+Supports Levelling::find_supports(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
+                                  const std::shared_ptr<const Grid>& distance) {
+  const double least_m = kLeastHill * options.shoulder_m;
+  const auto everywhere = [](glm::dvec2) { return std::numeric_limits<double>::infinity(); };
+  Supports closed(index.network(), everywhere, options.cover_m, 0);
+  const bool has_tunnels = closed.parts(Support::kTunnel) > 0;
+  const Levelling above(index, natural, options, distance, std::move(closed));
+  const auto ground_m = [&](glm::dvec2 p) {
+    const double beyond = above.edge_distance_m(p, options.shoulder_m + kMostRoof_m) - options.shoulder_m;
+    const double natural_m = sample_bicubic(natural, p), roof = std::clamp(beyond, 0.0, kMostRoof_m);
+    return std::max(natural_m + roof, above.height_m(p));
+  };
+  const Supports known = has_tunnels ? Supports(index.network(), ground_m, options.cover_m, least_m) : above.supports();
+  const AssumedBridges assumed = bridges_over_roads(index, known, options.shoulder_m, options.cut_slope);
+  return Supports(index.network(), ground_m, options.cover_m, least_m, assumed);
+}
 
 Levelling::Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
                      std::shared_ptr<const Grid> distance, Supports supports)
@@ -399,6 +409,15 @@ double Levelling::over_tunnels_m(glm::dvec2 point_m) const {
   double highest = -std::numeric_limits<double>::infinity();
   if (supports_.hollows().empty()) return highest;
   const glm::dvec3 flat(point_m, 0);
+  for (const Hall& hall : supports_.halls()) {
+    const Box box = hall.box();
+    const glm::dvec2 off = glm::max(glm::dvec2(box.low_m) - point_m, point_m - glm::dvec2(box.high_m));
+    if (std::max(off.x, off.y) > kTunnelSides_m) continue;
+    const double beside = std::max(-signed_distance_m(hall.surface, point_m, 2 * kTunnelSides_m), 0.0);
+    if (beside > kTunnelSides_m) continue;
+    const double roof = height_m_at(hall.surface, point_m) + hall.height_m + options_.cover_m;
+    highest = std::max(highest, roof - options_.fill_slope * beside);
+  }
   hollow_tree_.search({flat, flat}, {.reach_m = kTunnelSides_m}, [&](std::uint32_t item) {
     const Hollow& h = supports_.hollows()[item];
     const glm::dvec2 p = to_chord(h.segment, point_m);
@@ -420,7 +439,8 @@ double Levelling::over_tunnels_m(glm::dvec2 point_m) const {
 
 // The natural ground levelled to the roads on it, and the distance from the nearest.
 double Levelling::levelled_m(glm::dvec2 point_m, double& edge_m) const {
-  const double natural = sample_bicubic(natural_, point_m);
+  const double over_tunnels = over_tunnels_m(point_m), bare = sample_bicubic(natural_, point_m);
+  const double natural = std::max(bare, std::min(over_tunnels, bare + kMostRoof_m));
   const double reach = options_.reach_m, limit = reach + options_.shoulder_m;
   const Wish wish = nearest_roads(point_m, limit);
   edge_m = wish.edge_m;
@@ -441,7 +461,7 @@ double Levelling::levelled_m(glm::dvec2 point_m, double& edge_m) const {
     ground = approach_m(level, natural, allowance_m(from, slope, reach - before) / (1 + ramp * ramp));
   }
   if (d < width) ground = std::min(ground, own - ditch_m(d, part * options_.ditch_depth_m, options_));
-  return std::max(ground, std::min(natural, over_tunnels_m(point_m)));
+  return std::max(ground, std::min(natural, over_tunnels));
 }
 
 }  // namespace roadgen

@@ -11,7 +11,7 @@
 // and ends with an embankment. Ground that rises above a deck is cut.
 // Over tunnels whose vault is covered, by the natural ground or by that of roads that cross above, it stays: the cutting of the road before the portal goes on for a
 // shoulder's width into the tunnel, and from there on takes no ground within cover_m of the vault, nor any that a slope
-// of fill from there would hold.
+// of fill from there would hold. Where no more than kMostRoof_m lack, ground is filled up over the vault.
 // Source: Loviscach 2005, section 4 and figure 6 (level geometry along roads, a small height gap below them); weights
 // of Franke and Nielson 1980 for the blending.
 #pragma once
@@ -26,6 +26,8 @@
 #include "terrain/support.h"
 
 namespace roadgen {
+
+inline constexpr double kMostRoof_m = 2.5;
 
 struct LevellingOptions {
   double gap_m = 0.05;      // of the ground below the road's surface. > 0. Default: 5 cm, not seen even from a kerb
@@ -101,6 +103,8 @@ class Levelling {
             const std::shared_ptr<const Grid>& distance);
   Levelling(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
             std::shared_ptr<const Grid> distance, Supports supports);
+  static Supports find_supports(const RoadIndex& index, const Grid& natural, const LevellingOptions& options,
+                                const std::shared_ptr<const Grid>& distance);
   void find_raised();
   Wish nearest_roads(glm::dvec2 point_m, double limit_m) const;
   double levelled_m(glm::dvec2 point_m, double& edge_m) const;

@@ -166,7 +166,7 @@ void add_part(const Segment& segment, const SupportedPart& part, double lowest_m
   const std::size_t first = plates.size();
   if (n1 > 0) add_divided(segment, {part.s0_m, s1, 0, n1}, lowest_m, wanted_m, plates);
   if (n0 < 0) add_divided(segment, {part.s0_m, s1, n0, 0}, lowest_m, wanted_m, plates);
-  for (std::size_t i = first; i < plates.size(); ++i) plates[i].set_support(part.support);
+  for (std::size_t i = first; i < plates.size(); ++i) plates[i].set_support(part.support, part.is_assumed);
 }
 
 // One piece of a junction's surface over a small square: its weight, and how far it is from a plane.
@@ -500,8 +500,9 @@ Plates::Plates(const Network& network, const Supports& supports, double wanted_e
   std::vector<std::vector<Plate>> parts(roads + network.junctions.size());
   for_chunks(parts.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     if (i >= roads) {
+      if (supports.of_junction(i - roads) == Support::kTunnel) return;
       AreaPlates(network.junctions[i - roads], kJunctionPart * wanted_error_m).add_to(parts[i]);
-      for (Plate& plate : parts[i]) plate.set_support(supports.of_junction(i - roads));
+      for (Plate& plate : parts[i]) plate.set_support(supports.of_junction(i - roads), supports.is_assumed(i - roads));
     } else if (!in_area[i]) {
       const Road& road = network.roads[i];
       for (SegmentRef at{static_cast<std::uint32_t>(i), 0}; at.segment < road.segments.size(); ++at.segment) {

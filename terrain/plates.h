@@ -31,10 +31,13 @@ struct Plate {
   double z_m = 0;           // of the plane at the centre
   glm::dvec2 slope{0, 0};   // of the plane, along the axis and across
   double error_m = 0;       // the carriageway's surface, its lowest lane, lies within this of the plane
-  bool on_ground = true;    // false on bridges
+  bool on_ground = true;    // false on bridges that the network knows of
   bool levelled = true;     // the ground is levelled to it; on_ground, and not over other roads
 
-  void set_support(Support support) { on_ground = levelled = support == Support::kGround; }
+  void set_support(Support support, bool is_assumed) {
+    levelled = support == Support::kGround;
+    on_ground = levelled || is_assumed;
+  }
   // Height of the plane, and its slope.
   double height_m(glm::dvec2 point_m) const;
   glm::dvec2 gradient() const;
@@ -56,7 +59,7 @@ struct ClearanceBounds {
 
 class Plates {
  public:
-  // Of all roads that are drawn and all junction areas, but for tunnels under higher ground. Those of bridges are not
+  // Of all roads that are drawn and all junction areas, but for those in tunnels under higher ground. Those of bridges are not
   // levelled. wanted_error_m: plates are divided until their error is at most this, or they are 0.2 m long. Cost: about
   // 2 us a plate, of which a road has one per 2 to 8 m and side.
   explicit Plates(const Network& network, const Supports& supports = {}, double wanted_error_m = 0.004);

@@ -9,6 +9,7 @@ namespace {
 // Parts whose ends lie nearer to one another, or to a joint, than this meet there.
 constexpr double kMeet_m = 1e-3;
 constexpr double kRounding_m = 1e-6;  // of joints
+constexpr double kJoinedPart = 0.4;   // of the least length of a hill where it may go on over the next road
 
 // Of a segment on the ground as a whole: by whether its road starts and ends with it.
 constexpr std::array<SupportedPart, 4> whole_parts() {
@@ -35,6 +36,17 @@ bool is_on_bridge(const std::vector<Bridge>& bridges, double s_m) {
                      [&](const Bridge& b) { return b.s_start_m <= s_m + kMeet_m && s_m - kMeet_m <= b.s_end_m; });
 }
 
+// Of the outside of the vault at s, above the road; 0 where there is none.
+double vault_height_m(const Road& road, double s_m) {
+  double height = 0;
+  for (const Sweep& sweep : road.sweeps) {
+    const auto* tunnel = std::get_if<Tunnel>(&sweep.shape);
+    if (!tunnel || s_m < sweep.s_start_m - kMeet_m || s_m > sweep.s_end_m + kMeet_m) continue;
+    height = std::max(height, tunnel->wall_height_m + tunnel->arch_rise_m + tunnel->lining_m);
+  }
+  return height;
+}
+
 // The road as a row of parts without gaps: on the ground but for the given ones, of which later ones win.
 std::vector<Supports::Part> parts_of(const Road& road, const std::vector<Supports::Part>& raised) {
   std::vector<double> ends = {0, road.length_m()};
@@ -44,14 +56,16 @@ std::vector<Supports::Part> parts_of(const Road& road, const std::vector<Support
   for (const double end : ends) {
     const double from = parts.empty() ? 0 : parts.back().s_end_m, middle = 0.5 * (from + end);
     if (end - from <= kMeet_m) continue;
-    Support support = Support::kGround;
+    Supports::Part next{Support::kGround, from, end};
     for (const Supports::Part& part : raised) {
-      if (part.s_start_m < middle && middle < part.s_end_m) support = part.support;
+      if (!(part.s_start_m < middle && middle < part.s_end_m)) continue;
+      next.support = part.support;
+      next.is_assumed = part.is_assumed;
     }
-    if (!parts.empty() && parts.back().support == support) {
+    if (!parts.empty() && parts.back().support == next.support && parts.back().is_assumed == next.is_assumed) {
       parts.back().s_end_m = end;
     } else {
-      parts.push_back({support, from, end});
+      parts.push_back(next);
     }
   }
   if (parts.empty()) parts.push_back({Support::kGround, 0, 0});
@@ -109,12 +123,21 @@ void add_hills(const Road& road, const SweepPart& piece, const Supports::Ground&
 
 }  // namespace
 
-Supports::Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m) {
+Supports::Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m)
+    : Supports(network, ground_m, cover_m, least_m, AssumedBridges{}) {}
+
+Supports::Supports(const Network& network, const Ground& ground_m, double cover_m, double least_m,
+                   const AssumedBridges& assumed) {
   first_.assign(network.roads.size(), kPlain);
   for (std::size_t i = 0; i < network.roads.size(); ++i) {
     const Road& road = network.roads[i];
     if (road.segments.empty()) continue;
     std::vector<Part> raised;
+    if (i < assumed.of_road.size()) {
+      for (const Part& part : assumed.of_road[i]) {
+        raised.push_back({Support::kBridge, snapped_m(road, part.s_start_m), snapped_m(road, part.s_end_m), true});
+      }
+    }
     for (const Bridge& bridge : road.bridges) {
       if (!(bridge.s_end_m > bridge.s_start_m)) continue;
       raised.push_back({Support::kBridge, snapped_m(road, bridge.s_start_m), snapped_m(road, bridge.s_end_m)});
@@ -124,15 +147,39 @@ Supports::Supports(const Network& network, const Ground& ground_m, double cover_
     first_[i] = static_cast<std::uint32_t>(segments_.size());
     cut(road, parts_of(road, raised));
   }
+  add_junctions(network, ground_m, cover_m, assumed);
+}
+
+void Supports::add_junctions(const Network& network, const Ground& ground_m, double cover_m,
+                             const AssumedBridges& assumed) {
   const RoadsById by_id = roads_by_id(network);
   for (const Junction& junction : network.junctions) {
-    const bool on_bridges = std::all_of(junction.arms.begin(), junction.arms.end(), [&](const JunctionArm& arm) {
-      const auto found = by_id.find(arm.road);
-      if (found == by_id.end()) return false;
-      const Road& road = network.roads[found->second];
-      return is_on_bridge(road.bridges, arm.at_end ? road.length_m() : 0);
+    const auto all_arms = [&](const auto& is_one) {
+      return !junction.arms.empty() &&
+             std::all_of(junction.arms.begin(), junction.arms.end(), [&](const JunctionArm& arm) {
+               const auto found = by_id.find(arm.road);
+               return found != by_id.end() && !network.roads[found->second].segments.empty() &&
+                      is_one(static_cast<std::uint32_t>(found->second), arm.at_end);
+             });
+    };
+    const bool on_bridges = all_arms([&](std::uint32_t i, bool at_end) {
+      return is_on_bridge(network.roads[i].bridges, at_end ? network.roads[i].length_m() : 0);
     });
-    junctions_.push_back(on_bridges && !junction.arms.empty() ? Support::kBridge : Support::kGround);
+    Hall hall;
+    const bool in_tunnels = all_arms([&](std::uint32_t i, bool at_end) {
+      const Road& road = network.roads[i];
+      const auto segment = static_cast<std::uint32_t>(at_end ? road.segments.size() - 1 : 0);
+      const std::span<const SupportedPart> parts = of(network, {i, segment});
+      hall.height_m = std::max(hall.height_m, vault_height_m(road, at_end ? road.length_m() : 0));
+      return (at_end ? parts.back() : parts.front()).support == Support::kTunnel;
+    });
+    if (in_tunnels) hall.surface = junction_surface(junction);
+    const bool is_hall = in_tunnels && is_covered(hall, ground_m, cover_m);
+    const bool is_assumed = !on_bridges && !is_hall && junctions_.size() < assumed.junctions.size() &&
+                            assumed.junctions[junctions_.size()] != 0;
+    assumed_.push_back(is_assumed);
+    junctions_.push_back(on_bridges || is_assumed ? Support::kBridge : is_hall ? Support::kTunnel : Support::kGround);
+    if (is_hall) halls_.push_back(std::move(hall));
   }
 }
 
@@ -152,8 +199,11 @@ void Supports::add_tunnels(const Road& road, const Ground& ground_m, double cove
     for (Part& hill : hills) {
       hill.s_start_m = snapped_m(road, hill.s_start_m);
       hill.s_end_m = snapped_m(road, hill.s_end_m);
-      const bool all = hill.s_start_m == 0 && hill.s_end_m == snapped_m(road, road.length_m());
-      if (!all && hill.s_end_m - hill.s_start_m < least_m) continue;
+      // Where the road is joined to others the hill may go on over them.
+      const bool from_start = hill.s_start_m == 0, to_end = hill.s_end_m == snapped_m(road, road.length_m());
+      const bool goes_on = (from_start && road.joined_start) || (to_end && road.joined_end);
+      const double least = goes_on ? kJoinedPart * least_m : least_m;
+      if (!(from_start && to_end) && hill.s_end_m - hill.s_start_m < least) continue;
       raised.push_back(hill);
       for (const SweepPart& piece : pieces) add_hollows(road, piece, hill.s_start_m, hill.s_end_m, hollows_);
     }
@@ -163,6 +213,11 @@ void Supports::add_tunnels(const Road& road, const Ground& ground_m, double cove
 void Supports::cut(const Road& road, const std::vector<Part>& parts) {
   const bool goes_around = road.closed && parts.front().support == parts.back().support;
   for (const Part& part : parts) {
+    if (part.is_assumed) {
+      ++assumed_count_;
+      assumed_length_m_ += part.s_end_m - part.s_start_m;
+      continue;
+    }
     ++count_[static_cast<std::size_t>(part.support)];
     length_m_[static_cast<std::size_t>(part.support)] += part.s_end_m - part.s_start_m;
   }
@@ -177,6 +232,7 @@ void Supports::cut(const Road& road, const std::vector<Part>& parts) {
       if (from < s0 + kRounding_m) from = s0;
       if (to > s1 - kRounding_m) to = s1;
       stretches_.push_back({.support = part.support,
+                            .is_assumed = part.is_assumed,
                             .s0_m = from - s0,
                             .s1_m = to == s1 ? segment.arc_m : to - s0,
                             .u0 = from == s0 ? 0 : u_at_arc(segment, from - s0),

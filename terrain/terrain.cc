@@ -319,7 +319,10 @@ void Terrain::Impl::measure(const Network& network, const Supports& supports, co
   }
   report.bridge_parts = supports.parts(Support::kBridge);
   report.bridge_m = supports.length_m(Support::kBridge);
+  report.assumed_bridge_parts = supports.assumed_parts();
+  report.assumed_bridge_m = supports.assumed_m();
   report.tunnel_parts = supports.parts(Support::kTunnel);
+  report.tunnel_areas = supports.halls().size();
   report.tunnel_m = supports.length_m(Support::kTunnel);
 }
 
@@ -327,6 +330,9 @@ void Terrain::Impl::index_hollows() {
   std::vector<Box> boxes;
   for (const Hollow& hollow : hollows) boxes.push_back(hollow.box());
   if (!boxes.empty()) hollow_tree = BoxTree(boxes);
+  boxes.clear();
+  for (const Hall& hall : halls) boxes.push_back(hall.box());
+  if (!boxes.empty()) hall_tree = BoxTree(boxes);
 }
 
 std::vector<std::uint32_t> Terrain::Impl::hollows_met(const std::array<glm::dvec3, 3>& triangle) const {
@@ -352,6 +358,20 @@ const Hollow* Terrain::Impl::hollow_above(glm::dvec3 point_m) const {
     if (!hollows[i].is_above(point_m)) return;
     const double off = std::abs(hollows[i].floor_at(glm::dvec2(point_m)).height_m - point_m.z);
     if (off < nearest) nearest = off, found = &hollows[i];
+  });
+  return found;
+}
+
+// The hall that the point lies in; of several that with the highest floor.
+const Hall* Terrain::Impl::hall_above(glm::dvec3 point_m) const {
+  const Hall* found = nullptr;
+  if (halls.empty()) return found;
+  const glm::dvec2 at(point_m);
+  double highest = 0;
+  hall_tree.search({glm::dvec3(at, 0), glm::dvec3(at, 0)}, {.reach_m = 0}, [&](std::uint32_t i) {
+    if (!halls[i].is_above(point_m)) return;
+    const double floor = height_m_at(halls[i].surface, at);
+    if (!found || floor > highest) highest = floor, found = &halls[i];
   });
   return found;
 }
@@ -508,6 +528,7 @@ Result<Terrain> Terrain::build(const Network& network, const Elevation* elevatio
   impl->tell(0.65);
   impl->guarantee(roads);
   impl->hollows = ground.supports().hollows();
+  impl->halls = ground.supports().halls();
   impl->index_hollows();
   impl->measure(network, ground.supports(), natural);
   impl->tell(0.75);
@@ -552,13 +573,17 @@ glm::dvec3 Terrain::normal(glm::dvec2 point_m) const {
 
 double Terrain::height_m(glm::dvec3 point_m) const {
   const Hollow* tunnel = impl_->hollow_above(point_m);
-  return tunnel ? tunnel->floor_at(glm::dvec2(point_m)).height_m : height_m(glm::dvec2(point_m));
+  if (tunnel) return tunnel->floor_at(glm::dvec2(point_m)).height_m;
+  const Hall* hall = impl_->hall_above(point_m);
+  return hall ? height_m_at(hall->surface, glm::dvec2(point_m)) : height_m(glm::dvec2(point_m));
 }
 
 glm::dvec3 Terrain::normal(glm::dvec3 point_m) const {
   const Hollow* tunnel = impl_->hollow_above(point_m);
-  return tunnel ? glm::normalize(glm::dvec3(-tunnel->floor_at(glm::dvec2(point_m)).gradient, 1))
-                : normal(glm::dvec2(point_m));
+  if (tunnel) return glm::normalize(glm::dvec3(-tunnel->floor_at(glm::dvec2(point_m)).gradient, 1));
+  const Hall* hall = impl_->hall_above(point_m);
+  return hall ? glm::normalize(glm::dvec3(-height_at(hall->surface, glm::dvec2(point_m)).gradient, 1))
+              : normal(glm::dvec2(point_m));
 }
 
 Status write_terrain(const Terrain& terrain, const Network& network, double post_m, const std::string& path,

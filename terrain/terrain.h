@@ -122,8 +122,12 @@ struct TerrainReport {
   double deepest_cut_m = 0, highest_fill_m = 0;
   std::size_t bridge_parts = 0;  // parts of roads on bridges, and their length
   double bridge_m = 0;
+  // The same of roads over others that the network knows no bridge of.
+  std::size_t assumed_bridge_parts = 0;
+  double assumed_bridge_m = 0;
   std::size_t tunnel_parts = 0;  // in tunnels under a hill that is kept, and their length
   double tunnel_m = 0;
+  std::size_t tunnel_areas = 0;   // junctions' areas in such tunnels
   std::size_t triangles_cut = 0;  // that reach into these tunnels
   std::size_t voids_filled = 0;
   std::size_t triangles = 0, vertices = 0, tiles = 0;
@@ -167,7 +171,7 @@ class Terrain {
 
   // The same under a point whose height tells the hill over a tunnel from the tunnel: where the point lies below the
   // vault, the tunnel's floor, which is the walkways' top and between them the carriageway's surface without raised
-  // lanes; elsewhere the mesh. So of a place of the mesh that is cut away the floor is told. Tunnels that are cut open have
+  // lanes; in a junction's area in tunnels its surface; elsewhere the mesh. So of a place of the mesh that is cut away the floor is told. Tunnels that are cut open have
   // no floor but the ground. Cost: as above, and 1 us near tunnels.
   double height_m(glm::dvec3 point_m) const;
   glm::dvec3 normal(glm::dvec3 point_m) const;

@@ -15,7 +15,7 @@
 namespace roadgen {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'o', 'a', 'd', 'g', 'n', 'd', '2'};  // the last: of the format
+constexpr char kMagic[8] = {'r', 'o', 'a', 'd', 'g', 'n', 'd', '3'};  // the last: of the format
 constexpr std::size_t kAlign = 4;  // of every array in the file, whose elements are multiples of it: no gaps
 
 // The file: this, the table, filled up to a multiple of kAlign, and the arrays that the table tells the places of.
@@ -128,6 +128,20 @@ void exchange(Archive& with, Cut& cut) {
   with(cut.hollows);
 }
 
+template <class Archive, class T>
+requires std::is_same_v<std::remove_const_t<T>, Hall>
+void exchange(Archive& with, T& hall) {
+  with(hall.height_m);
+  with(hall.surface.center_m);
+  with(hall.surface.cuts);
+  with(hall.surface.corners);
+  with(hall.surface.low_m);
+  with(hall.surface.high_m);
+  with(hall.surface.plane);
+  with(hall.surface.slope_spread);
+  with(hall.surface.plane_gap_m);
+}
+
 // Of an array: where it begins, from the first of them, and how long it is.
 template <class T>
 struct Place {
@@ -157,6 +171,7 @@ struct Table {
   std::int32_t k = 1;
   glm::ivec2 tile_count{1, 1};
   std::vector<Hollow> hollows;
+  std::vector<Hall> halls;
   Place<std::int32_t> height_nodes;
   Place<HeightMesh::Leaf> height_leaves;
   std::uint64_t heights_sum = 0;
@@ -192,6 +207,7 @@ void exchange(Archive& with, T& table) {
   with(table.k);
   with(table.tile_count);
   with(table.hollows);
+  with(table.halls);
   with(table.height_nodes);
   with(table.height_leaves);
   with(table.heights_sum);
@@ -372,7 +388,7 @@ std::uint64_t terrain_key(std::string_view network_file, const Elevation* elevat
 Status write_terrain_file(const Terrain& terrain, std::uint64_t key, const std::string& path) {
   const Terrain::Impl& impl = *terrain.impl_;
   Arrays arrays;
-  Table table{impl.report, impl.unit_m, impl.origin_m,          impl.k, impl.tile_count, impl.hollows,
+  Table table{impl.report, impl.unit_m, impl.origin_m,          impl.k, impl.tile_count, impl.hollows, impl.halls,
               {},          {},          checksum(impl.heights), {}};
   table.height_nodes = arrays.add(impl.heights.nodes());
   table.height_leaves = arrays.add(impl.heights.leaves());
@@ -427,6 +443,7 @@ Result<Terrain> read_terrain_file(const std::string& path, std::uint64_t key) {
   impl->k = t.k;
   impl->tile_count = t.tile_count;
   impl->hollows = t.hollows;
+  impl->halls = t.halls;
   impl->index_hollows();
   impl->heights =
       HeightMesh(t.tile_count, t.k, kQuantum_m, ground->at(t.height_nodes), ground->at(t.height_leaves), *opened);

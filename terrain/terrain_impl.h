@@ -67,7 +67,8 @@ struct Terrain::Impl {
   std::unique_ptr<Bisection> mesh;  // while it is built
   HeightMesh heights;
   std::vector<Hollow> hollows;
-  BoxTree hollow_tree;
+  std::vector<Hall> halls;
+  BoxTree hollow_tree, hall_tree;
 
   double post_m() const { return unit_m * (1 << finer); }
   bool is_finer(const Bisection::Triangle& t) const { return t.level >= mesh->finest() - 2 * finer; }
@@ -95,6 +96,7 @@ struct Terrain::Impl {
   void index_hollows();
   std::vector<std::uint32_t> hollows_met(const std::array<glm::dvec3, 3>& triangle) const;
   const Hollow* hollow_above(glm::dvec3 point_m) const;
+  const Hall* hall_above(glm::dvec3 point_m) const;
   void add_cuts(const std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>>& cut, TerrainMesh& out);
   VertexDetail detail(const Plates& roads);
   void emit(const KnownHeights& ground, const VertexDetail& detail);

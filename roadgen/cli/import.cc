@@ -122,6 +122,7 @@ Status settle(Options& o) {
   }
   o.import.tangents = o.tangents == "fit" ? TangentSource::kFit : TangentSource::kCatmullRom;
   if (o.tangents == "curvature") o.import.catmull_rom = Tangents::kCurvature;
+  o.import.heights_follow = !o.heights.dem_path.empty();
   o.import.closed = o.closed == "auto" ? Closed::kAuto : o.closed == "yes" ? Closed::kYes : Closed::kNo;
 
   // Before the work, not after it.

@@ -14,6 +14,7 @@
 #include "roadgen/fit/passings.h"
 #include "roadgen/road/crossing.h"
 #include "roadgen/road/off_ground.h"
+#include "roadgen/road/vault_room.h"
 
 namespace roadgen {
 namespace {
@@ -30,8 +31,9 @@ constexpr double kInside =
     1 - 0.8 * kLimitPart;  // limits for the fit, so that what is left of them is within kLimitPart
 // Forces that bounds withstand, in metres of difference from the ground times metres of road: what passes over another road
 // comes first, what a hill wants over a tunnel last.
-constexpr double kPassingStrength = 1e6, kGradeStrength = 1e5, kCurvatureStrength = 1e5, kTunnelStrength = 20;
-constexpr double kPortal_m = 25,
+constexpr double kPassingStrength = 1e6, kGradeStrength = 1e5, kCurvatureStrength = 1e5, kMeantStrength = 3e3,
+                 kTunnelStrength = 100;
+constexpr double kPortal_m = 5,
                  kCover_m = 1.5;  // of tunnels: where the hill begins to matter, and what is wanted of it
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNone = 0xffffffffu;
@@ -88,15 +90,20 @@ struct Span {
 
 glm::dvec2 direction(double heading_rad) { return {std::cos(heading_rad), std::sin(heading_rad)}; }
 
-// What a tunnel at s wants above its road, vault and cover, if it is well inside one; else 0.
-double cover_m(const Road& road, double s_m) {
-  for (const Sweep& sweep : road.sweeps) {
-    if (sweep.kind() != SweepKind::kTunnel) continue;
-    if (s_m < sweep.s_start_m + kPortal_m || s_m > sweep.s_end_m - kPortal_m) continue;
-    const auto& tunnel = std::get<Tunnel>(sweep.shape);
-    return tunnel.wall_height_m + tunnel.arch_rise_m + tunnel.lining_m + kCover_m;
-  }
-  return 0;
+// Of the outside of a tunnel's vault, above the road.
+double vault_height_m(const Sweep& sweep) {
+  const auto& tunnel = std::get<Tunnel>(sweep.shape);
+  return tunnel.wall_height_m + tunnel.arch_rise_m + tunnel.lining_m;
+}
+
+// The tunnel that a road is in at s, if any.
+const Sweep* tunnel_at(const Road& road, double s_m) {
+  constexpr double kRounding_m = 1e-6;
+  const auto found = std::find_if(road.sweeps.begin(), road.sweeps.end(), [&](const Sweep& sweep) {
+    return sweep.kind() == SweepKind::kTunnel && sweep.s_start_m - kRounding_m <= s_m &&
+           s_m <= sweep.s_end_m + kRounding_m;
+  });
+  return found == road.sweeps.end() ? nullptr : &*found;
 }
 
 bool is_level_across(const Road& road) {
@@ -124,6 +131,8 @@ class HeightFitter {
   template <class HasArea, class Join>
   void join_linked(const HasArea& has_area, const Join& join) const;
   void find_nodes();
+  void find_halls();
+  double cover_m(std::uint32_t road, double s_m) const;
   void lay_knots();
   LinearSum sum_of(const Knot& knot, bool grade) const;
   Span span(std::uint32_t road, std::size_t segment) const;
@@ -136,6 +145,7 @@ class HeightFitter {
   void take(const LinearFit& fit);
   void lean(const LinearFit& fit);
   void remake_areas();
+  void make_room();
   void measure(const LinearFit& fit);
   void measure_limits();
   void tell(std::string message, std::string element) const {
@@ -150,6 +160,7 @@ class HeightFitter {
   std::vector<bool> skip_;                             // roads along corners: they follow their areas
   std::vector<std::array<std::uint32_t, 2>> node_of_;  // [road]: of its start and its end
   std::vector<Node> nodes_;
+  std::vector<double> vault_m_;  // [node]: height of its vaults where all that meets there is in tunnels, else 0
   std::vector<std::uint32_t> area_node_;  // [junction]
   std::vector<std::vector<Knot>> knots_;  // [road]
   std::vector<double> start_;             // of the unknowns
@@ -235,6 +246,37 @@ void HeightFitter::find_nodes() {
   }
 }
 
+// Where tunnels go on as tunnels there is no portal.
+void HeightFitter::find_halls() {
+  constexpr double kOpen = -1;
+  vault_m_.assign(nodes_.size(), 0);
+  for (std::uint32_t i = 0; i < network_.roads.size(); ++i) {
+    for (const bool at_end : {false, true}) {
+      const std::uint32_t n = node_of_[i][at_end];
+      if (n == kNone) continue;
+      const Sweep* tunnel = tunnel_at(network_.roads[i], at_end ? network_.roads[i].length_m() : 0);
+      if (!tunnel) vault_m_[n] = kOpen;
+      if (vault_m_[n] != kOpen) vault_m_[n] = std::max(vault_m_[n], vault_height_m(*tunnel));
+    }
+  }
+  for (double& vault : vault_m_) vault = std::max(vault, 0.0);
+}
+
+// What a tunnel at s wants above its road, vault and cover, if it is well inside one; else 0.
+double HeightFitter::cover_m(std::uint32_t i, double s_m) const {
+  const Road& road = network_.roads[i];
+  const Sweep* sweep = tunnel_at(road, s_m);
+  if (!sweep) return 0;
+  const auto goes_on = [&](bool at_end) {
+    const std::uint32_t n = node_of_[i][at_end];
+    const double s = at_end ? road.length_m() : 0;
+    return n != kNone && vault_m_[n] > 0 && tunnel_at(road, s) == sweep;
+  };
+  if (s_m < sweep->s_start_m + kPortal_m && !goes_on(false)) return 0;
+  if (s_m > sweep->s_end_m - kPortal_m && !goes_on(true)) return 0;
+  return vault_height_m(*sweep) + kCover_m;
+}
+
 void HeightFitter::lay_knots() {
   knots_.resize(network_.roads.size());
   for (Node& node : nodes_) {
@@ -292,7 +334,7 @@ void HeightFitter::add_ground(LinearFit& fit, std::uint32_t road, const Segment&
   const int count = std::max(1, static_cast<int>(std::ceil(segment.arc_m / kSample_m)));
   for (int k = 0; k < count; ++k) {
     const double s = segment.arc_m * (k + 0.5) / count;
-    const double cover = cover_m(network_.roads[road], segment.s_start_m + s);
+    const double cover = cover_m(road, segment.s_start_m + s);
     if (cover == 0 && is_off_ground(network_.roads[road], segment.s_start_m + s)) continue;
     const std::optional<double> z = ground_(position_m(segment, u_at_arc(segment, s)));
     if (cover > 0) {
@@ -344,7 +386,7 @@ void HeightFitter::add_roads(LinearFit& fit) {
   }
 }
 
-// An area lies on the ground like its arms.
+// An area lies on the ground like its arms, or under it like those.
 void HeightFitter::add_areas(LinearFit& fit) const {
   std::vector<char> on_ground(nodes_.size(), 0);
   for (std::uint32_t i = 0; i < knots_.size(); ++i) {
@@ -363,7 +405,7 @@ void HeightFitter::add_areas(LinearFit& fit) const {
       fit.wish(sum, 0, 1e-2);
       fit.bound(sum, -kGreatestSlope, kGreatestSlope, 1e-4, kGradeStrength);
     }
-    if (node.junction == kNone || !on_ground[n]) continue;
+    if (node.junction == kNone || (!on_ground[n] && vault_m_[n] == 0)) continue;
     for (const glm::dvec2 d :
          {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(-1, 0), glm::dvec2(0, 1), glm::dvec2(0, -1)}) {
       const glm::dvec2 offset = kAreaReach_m * d;
@@ -373,7 +415,11 @@ void HeightFitter::add_areas(LinearFit& fit) const {
       sum.add(node.first, 1);
       sum.add(node.first + 1, offset.x);
       sum.add(node.first + 2, offset.y);
-      fit.wish(sum, *z, 0.4 * kAreaReach_m, options_.doubt_m);
+      if (on_ground[n]) {
+        fit.wish(sum, *z, 0.4 * kAreaReach_m, options_.doubt_m);
+      } else {
+        fit.bound(sum, -kNoBound, *z - vault_m_[n] - kCover_m, 0.01, kTunnelStrength);
+      }
     }
   }
 }
@@ -400,6 +446,9 @@ void HeightFitter::add_passings(LinearFit& fit) const {
     LinearSum above = height_of(passing.upper);
     above.add(height_of(passing.lower), -1);
     fit.bound(above, std::min(passing.above_m, options_.clearance_m), kNoBound, 0.01, kPassingStrength);
+    if (passing.is_meant && passing.above_m < options_.clearance_m) {
+      fit.bound(above, options_.clearance_m, kNoBound, 0.01, kMeantStrength);
+    }
   }
 }
 
@@ -477,6 +526,16 @@ void HeightFitter::remake_areas() {
     return std::binary_search(gone.begin(), gone.end(), road.id.substr(0, road.id.rfind(".corner.")));
   });
   std::move(corners.begin(), corners.end(), std::back_inserter(network_.roads));
+}
+
+// Vaults end where roads pass through them at the new heights.
+void HeightFitter::make_room() {
+  for (const VaultGap& gap : trim_vaults(network_)) {
+    char text[96];
+    std::snprintf(text, sizeof text, "no room for its vault from s = %.1f m to %.1f m, where a road passes above",
+                  gap.s_start_m, gap.s_end_m);
+    tell(text, "road " + network_.roads[gap.road].id);
+  }
 }
 
 void HeightFitter::measure(const LinearFit& fit) {
@@ -562,6 +621,7 @@ Result<HeightFitReport> HeightFitter::run() {
   }
   passings_ = find_passings(network_, skip_);
   find_nodes();
+  find_halls();
   lay_knots();
   LinearFit fit(start_);
   add_roads(fit);
@@ -574,6 +634,7 @@ Result<HeightFitReport> HeightFitter::run() {
   measure_limits();
   lean(fit);
   remake_areas();
+  make_room();
   return report_;
 }
 

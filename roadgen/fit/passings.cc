@@ -47,6 +47,19 @@ class Finder {
   double half_width_m(std::uint32_t road, double s_m) const {
     return network_.roads[road].segments[segment_at(network_.roads[road], s_m)].max_half_width_m();
   }
+  bool is_on_bridge(const HeightSpot& spot) const {
+    if (spot.is_area) return false;
+    const auto& bridges = network_.roads[spot.index].bridges;
+    return std::any_of(bridges.begin(), bridges.end(),
+                       [&](const Bridge& b) { return b.s_start_m <= spot.s_m && spot.s_m <= b.s_end_m; });
+  }
+  bool is_in_tunnel(const HeightSpot& spot) const {
+    if (spot.is_area) return false;
+    const auto& sweeps = network_.roads[spot.index].sweeps;
+    return std::any_of(sweeps.begin(), sweeps.end(), [&](const Sweep& sweep) {
+      return sweep.kind() == SweepKind::kTunnel && sweep.s_start_m <= spot.s_m && spot.s_m <= sweep.s_end_m;
+    });
+  }
   void add_legs();
   void add(const HeightSpot& a, const HeightSpot& b, bool is_middle);
   void test(const Leg& a, const Leg& b);
@@ -78,8 +91,10 @@ void Finder::add_legs() {
 
 void Finder::add(const HeightSpot& a, const HeightSpot& b, bool is_middle) {
   const double above = z(a) - z(b);
-  if (std::abs(above) < kPassing_m) return;
-  found_.push_back({above > 0 ? a : b, above > 0 ? b : a, std::abs(above), is_middle});
+  const HeightSpot &upper = above > 0 ? a : b, &lower = above > 0 ? b : a;
+  const bool is_meant = is_on_bridge(upper) || is_in_tunnel(lower);
+  if (std::abs(above) < (is_meant ? kMeantPassing_m : kPassing_m)) return;
+  found_.push_back({upper, lower, std::abs(above), is_middle, is_meant});
 }
 
 void Finder::test(const Leg& a, const Leg& b) {
@@ -91,8 +106,9 @@ void Finder::test(const Leg& a, const Leg& b) {
   if (!(s >= 0 && s < 1 && t >= 0 && t < 1)) return;
   const double at_a = glm::mix(a.s0_m, a.s1_m, s), at_b = glm::mix(b.s0_m, b.s1_m, t);
   const HeightSpot on_a = on_road(a.road, at_a), on_b = on_road(b.road, at_b);
-  if (std::abs(z(on_a) - z(on_b)) < kPassing_m) return;
+  const std::size_t before = found_.size();
   add(on_a, on_b, true);
+  if (found_.size() == before) return;
   const double oblique = std::max(std::abs(sine) / size, kLeastSine);
   for (const double side : {-1.0, 1.0}) {
     add(on_road(a.road, at_a + side * half_width_m(b.road, at_b) / oblique), on_b, false);

@@ -23,13 +23,15 @@ struct Passing {
   HeightSpot upper, lower;
   double above_m = 0;
   bool is_middle = true;  // of the two centre lines; elsewhere of the edge of one
+  bool is_meant = false;  // by a bridge or a tunnel
 };
 
 // Every place where the centre lines of two roads, or of a road and itself, cross, or a road or an area lies in a junction's
-// area that it has no arm in, with more than kPassing_m between them; and the places on either where the other's edges are.
+// area that it has no arm in, with more than kPassing_m between them, or kMeantPassing_m where the upper one is on a bridge or
+// the lower one in a tunnel; and the places on either where the other's edges are.
 // skip: roads that take no part. Accuracy: curves count as polylines of legs of 4 m. Cost: O(length) where few roads are
 // near one another.
 std::vector<Passing> find_passings(const Network& network, const std::vector<bool>& skip);
-inline constexpr double kPassing_m = 1;
+inline constexpr double kPassing_m = 1, kMeantPassing_m = 0.1;
 
 }  // namespace roadgen

@@ -35,6 +35,9 @@ struct ImportOptions {
   Closed closed = Closed::kAuto;
   bool reject_outliers = false;    // FitOptions::reject_outliers
   bool left_hand_traffic = false;  // OSM files: lanes and traffic keep left
+  // OSM files: tunnels keep their vaults where ramps left no room for them, since other heights will be given to all roads,
+  // by fit_heights, which takes the vaults away then. Default: no
+  bool heights_follow = false;
 };
 inline constexpr double kLeastMaxError_m = 0.001, kGreatestMaxError_m = 100;
 // Public centre lines come rounded to 1e-6 degree: up to 0.056 m in each direction. A smaller error would fit the

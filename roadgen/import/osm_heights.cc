@@ -476,9 +476,6 @@ std::vector<HeightProfile> HeightFinder::run() {
   }
   report();
   for (std::uint32_t i = 0; i < lines; ++i) profiles[i] = profile(i);
-  for (const Crossing& c : crossings_) {
-    if (clearance_m(c) < kLevel_m - 2 * kEnough_m) profiles[c.lower].low = true;
-  }
   return profiles;
 }
 

@@ -11,7 +11,6 @@ namespace roadgen {
 // Heights at distances along a line, increasing; between them a monotone cubic, level beyond them. Empty: 0.
 struct HeightProfile {
   std::vector<double> at_m, z_m;
-  bool low = false;  // something passes above the line with less than kLevel_m between them
 
   struct Value {
     double z_m = 0, grade = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <numeric>
 
@@ -13,6 +14,7 @@
 #include "roadgen/import/osm_road.h"
 #include "roadgen/road/crossing.h"
 #include "roadgen/road/parallel.h"
+#include "roadgen/road/vault_room.h"
 
 namespace roadgen {
 namespace {
@@ -71,6 +73,7 @@ class OsmImport {
   void link_to_junction(LineEnd end, const std::string& id);
   void link_ends();
   void take_all();
+  void make_room();
 
   const ImportOptions& options_;
   const Progress& progress_;
@@ -115,7 +118,6 @@ LinePlan OsmImport::plan_of(std::size_t i, const Course& course) const {
   plan.touches_start = !plan.joined_start && is_shared(line.node_start);
   plan.touches_end = !plan.joined_end && is_shared(line.node_end);
   plan.heights = heights_.empty() || heights_[i].at_m.empty() ? nullptr : &heights_[i];
-  plan.low = !heights_.empty() && heights_[i].low;
   for (const OsmPiece& piece : course.pieces) {
     const auto same = [&](const OsmPiece& p) { return p.way == piece.way && p.first == piece.first; };
     const auto at = std::find_if(graph_.pieces.begin() + line.first_piece, graph_.pieces.end(), same);
@@ -330,6 +332,16 @@ void OsmImport::take_all() {
   }
 }
 
+// Vaults end where roads pass through them.
+void OsmImport::make_room() {
+  for (const VaultGap& gap : trim_vaults(result_.network)) {
+    char text[96];
+    std::snprintf(text, sizeof text, "no room for its vault from s = %.1f m to %.1f m, where a road passes above",
+                  gap.s_start_m, gap.s_end_m);
+    findings_.add(Severity::kWarning, "tunnels without room", "road " + result_.network.roads[gap.road].id, text);
+  }
+}
+
 Result<ImportResult> OsmImport::run(OsmData data, const std::string& path) {
   data_ = std::move(data);
   const Georeference origin = options_.origin ? *options_.origin : centre_of(data_);
@@ -351,6 +363,7 @@ Result<ImportResult> OsmImport::run(OsmData data, const std::string& path) {
   make_all(scene);
   link_ends();
   take_all();
+  if (!options_.heights_follow) make_room();
   Network& network = result_.network;
   network.georeference = origin;
   network.name = stem(stem(path));

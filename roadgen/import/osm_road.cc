@@ -7,6 +7,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "roadgen/import/osm_structures.h"
+
 namespace roadgen {
 namespace {
 
@@ -17,10 +19,9 @@ constexpr double kCornerError_m = 0.8 * kNodeError_m;     // the rest is for cub
 constexpr double kLongestTaper_m = 30;
 constexpr double kLeastPiece_m = 0.05;  // between places where something changes
 constexpr int kMostNarrowings = 6;
-constexpr double kLeastPart = 0.05;                    // of the half width that the mapping is certified for
-constexpr double kLeastStructure_m = 5;                // shorter bridges and tunnels have no rails and vaults
-constexpr double kRailFree_m = 80;                     // from where roads part without an area between them
-constexpr double kRailOff_m = 0.2, kWallOff_m = 0.75;  // beyond the edges
+constexpr double kVault_m = 1.5,
+                 kVaultRadius = 1.6;  // of a vault beyond the edges; and its bends' radius over its half width
+constexpr double kLeastPart = 0.05;   // of the half width that the mapping is certified for
 constexpr double kArcTurn_rad = std::numbers::pi / 3;  // of one cubic of a corner
 // Points within the first of these of the straight line without them are left out; where no road can be, the next ones.
 constexpr double kThinning_m[] = {0.15, 0.5, 1, 2};
@@ -110,8 +111,11 @@ class LineMaker {
   std::vector<Anchor> anchors(const std::vector<Vertex>& v);
   void add_anchor(std::vector<Anchor>& to, glm::dvec2 p, double at_m, double heading_rad);
   double half_width_at(double at_m) const;
-  // Of the middle of a bend.
-  double least_radius(double at_m) const { return 1.1 * half_width_at(at_m) + kLeastInnerRadius_m; }
+  // Of the middle of a bend. In tunnels the vault has to follow.
+  double least_radius(double at_m) const {
+    const double road = 1.1 * half_width_at(at_m) + kLeastInnerRadius_m;
+    return tags(course_.piece_at(at_m)).tunnel ? std::max(road, kVaultRadius * (half_width_at(at_m) + kVault_m)) : road;
+  }
   struct Range {
     std::size_t begin, end;
   };
@@ -122,7 +126,6 @@ class LineMaker {
   Result<Road> whole_road();
   LaneSection tapered(const Part& part, const Part* before, const Part* after, double from_s, double to_s,
                       double length_m) const;
-  void add_structures(Road& road, const WayTags& of, std::size_t part) const;
   Result<Road> part_road(const Road& whole, std::size_t i);
 
   const OsmScene& scene_;
@@ -470,41 +473,6 @@ LaneSection LineMaker::tapered(const Part& part, const Part* before, const Part*
   return section;
 }
 
-// Bridges with guard rails, a vault over tunnels.
-void LineMaker::add_structures(Road& road, const WayTags& of, std::size_t part) const {
-  const double length = road.length_m();
-  if (of.bridge) road.bridges.push_back({.s_end_m = length});
-  if (length < kLeastStructure_m) return;
-  double left = -1e300, right = 1e300;
-  for (const Segment& segment : road.segments) {
-    left = std::max(left, segment.left_m.range(segment.arc_m).high);
-    right = std::min(right, segment.right_m.range(segment.arc_m).low);
-  }
-  std::vector<Sweep> wanted;
-  if (of.bridge) {
-    // No rail across a road that this one still lies upon.
-    const double from = part == 0 && plan_.touches_start ? kRailFree_m : 0;
-    const double to = length - (part + 1 == parts_.size() && plan_.touches_end ? kRailFree_m : 0);
-    for (const double t : {left + kRailOff_m, right - kRailOff_m}) {
-      if (to > from) wanted.push_back({.s_start_m = from, .s_end_m = to, .t_m = t, .shape = GuardRail{}});
-    }
-  } else if (of.tunnel && !plan_.low) {
-    const double half = 0.5 * (left - right) + kWallOff_m;
-    wanted.push_back({.s_start_m = 0,
-                      .s_end_m = length,
-                      .t_m = 0.5 * (left + right),
-                      .shape = Tunnel{.half_width_m = half,
-                                      .wall_height_m = 3,
-                                      .arch_rise_m = std::min(half, 1.2),
-                                      .head_margin_m = 0.3,
-                                      .walkway_m = kWallOff_m}});
-  }
-  // None where the road bends too tightly for it.
-  for (Sweep& sweep : wanted) {
-    if (problems(road, sweep).empty()) road.sweeps.push_back(std::move(sweep));
-  }
-}
-
 Result<Road> LineMaker::part_road(const Road& whole, std::size_t i) {
   const Part& part = parts_[i];
   const auto [begin, end] = segments_of(whole, i);
@@ -536,7 +504,7 @@ Result<Road> LineMaker::part_road(const Road& whole, std::size_t i) {
                                from[k], to, length));
   }
   if (Status s = set_sections(road, std::move(sections)); !s) return s.error();
-  add_structures(road, of, i);
+  add_structures(road, of, i == 0 && plan_.touches_start, i + 1 == parts_.size() && plan_.touches_end);
   return road;
 }
 

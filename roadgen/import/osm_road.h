@@ -17,7 +17,6 @@ struct LinePlan {
   bool joined_start = false, joined_end = false;    // in the area of a junction
   bool touches_start = false, touches_end = false;  // other roads, without an area
   const HeightProfile* heights = nullptr;           // over the line's length; none: level at 0
-  bool low = false;                                 // no room for vaults over it
   std::vector<std::string> ids;                     // of the roads, should they begin with this piece
 };
 

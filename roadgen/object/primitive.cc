@@ -28,12 +28,12 @@ using Numbers = ObjectLib::ObjectShape;
 
 // One row a primitive.
 const PrimitiveRow kTable[] = {
-    PRIMITIVE(kSphere, sphere, kRound, false, true),
+    PRIMITIVE(kSphere, sphere, kOutline, false, true),
     PRIMITIVE(kQuadric, quadric, kBox, false, true),
-    PRIMITIVE(kCone, cone, kPrism, false, true),
+    PRIMITIVE(kCone, cone, kOutline, false, true),
     PRIMITIVE(kBox, box, kBox, false, false),
     PRIMITIVE(kTetra, tetra, kTetra, false, false),
-    PRIMITIVE(kTorus, torus, kPrism, false, false),
+    PRIMITIVE(kTorus, torus, kRing, false, false),
     PRIMITIVE(kDisc, disc, kPolygon, true, false),
     PRIMITIVE(kConic, conic, kSquare, true, false),
     PRIMITIVE(kTriangle, triangle, kTriangle, true, false),

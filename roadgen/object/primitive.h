@@ -1,8 +1,8 @@
 // The kinds of primitives that all shapes are drawn as, one table row each, and what a shape is in its own frame.
 //
 // Algorithm 1 of the paper as an interface: a primitive is the functions NAME_value, NAME_hits, NAME_normal, NAME_uv and
-// NAME_proxy of a file in shaders/lib (object.glsl says what each does), and a row of primitive_table(). The renderer
-// makes its program from the name, the CPU's rays call the same functions in double.
+// those of its proxy in a file of shaders/lib (object.glsl says what each does), and a row of primitive_table(). The
+// renderer makes its program from the name, the CPU's rays call the same functions in double.
 #pragma once
 
 #include <array>
@@ -23,9 +23,9 @@ enum class PrimitiveKind { kSphere, kQuadric, kCone, kBox, kTetra, kTorus, kDisc
 
 // What is drawn to cover a primitive on the screen. Hulls are drawn by their back faces, so that the eye may be inside.
 enum class Proxy {
-  kRound,     // a polygon around the circle in which the eye sees the unit sphere (algorithm 3 of the paper)
+  kOutline,   // a polygon around what the eye sees, NAME_outline; of the unit sphere algorithm 3 of the paper
+  kRing,      // NAME_outline's polygon but for the one within its hole
   kBox,       // [-1, 1]^3 through NAME_proxy
-  kPrism,     // a prism around the cylinder of radius 1 between z = -1 and 1, through NAME_proxy
   kTetra,     // the corners of tetra
   kPolygon,   // a polygon around the unit circle in z = 0
   kTriangle,  // the corners of triangle

@@ -116,16 +116,13 @@ Result<Image8> read_image8(const std::filesystem::path& path) { return read<std:
 Result<ImageF> read_image_float(const std::filesystem::path& path) { return read<float>(path); }
 
 template <class T>
-Image<T> flipped(const Image<T>& image) {
-  Image<T> result = image;
-  const size_t row = static_cast<size_t>(image.width) * static_cast<size_t>(image.channels);
-  for (size_t y = 0; y < static_cast<size_t>(image.height); ++y) {
-    const auto from = image.pixels.begin() + static_cast<std::ptrdiff_t>(row * y);
-    const auto to =
-        result.pixels.begin() + static_cast<std::ptrdiff_t>(row * (static_cast<size_t>(image.height) - 1 - y));
-    std::copy(from, from + static_cast<std::ptrdiff_t>(row), to);
+void flip(Image<T>& image) {
+  const auto row = static_cast<std::ptrdiff_t>(image.width) * image.channels;
+  auto top = image.pixels.begin(), below = image.pixels.end();
+  for (int y = 0; y < image.height / 2; ++y, top += row) {
+    below -= row;
+    std::swap_ranges(top, top + row, below);
   }
-  return result;
 }
 
 template <class T>
@@ -152,8 +149,8 @@ Result<ImageDifference> compare(const Image<T>& a, const Image<T>& b) {
   return result;
 }
 
-template Image8 flipped(const Image8&);
-template ImageF flipped(const ImageF&);
+template void flip(Image8&);
+template void flip(ImageF&);
 template Result<ImageDifference> compare(const Image8&, const Image8&);
 template Result<ImageDifference> compare(const ImageF&, const ImageF&);
 

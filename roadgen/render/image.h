@@ -63,9 +63,9 @@ Status write_exr(const std::filesystem::path& path, const ImageF& image);
 Result<Image8> read_image8(const std::filesystem::path& path);
 Result<ImageF> read_image_float(const std::filesystem::path& path);
 
-// Upside down: OpenGL's rows begin at the bottom.
+// Turns it upside down, in place: OpenGL's rows begin at the bottom.
 template <class T>
-Image<T> flipped(const Image<T>& image);
+void flip(Image<T>& image);
 
 struct ImageDifference {
   double max = 0;    // of |a - b| over all pixels and channels, in the images' own units
@@ -78,8 +78,8 @@ struct ImageDifference {
 template <class T>
 Result<ImageDifference> compare(const Image<T>& a, const Image<T>& b);
 
-extern template Image8 flipped(const Image8&);
-extern template ImageF flipped(const ImageF&);
+extern template void flip(Image8&);
+extern template void flip(ImageF&);
 extern template Result<ImageDifference> compare(const Image8&, const Image8&);
 extern template Result<ImageDifference> compare(const ImageF&, const ImageF&);
 

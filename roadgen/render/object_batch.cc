@@ -84,6 +84,14 @@ double ball_radius(const Primitive& p) {
   return glm::length(glm::max(box.high_m - p.center_m, p.center_m - box.low_m));
 }
 
+// Corners of what covers a primitive. Two more for the sides of a cylinder, so that its ends have what a disc has; twice as
+// many for a torus, since what its polygons waste is more of the ring than it would be of a disc.
+int proxy_sides(PrimitiveKind kind, const ObjectOptions& options) {
+  if (kind == PrimitiveKind::kSphere && options.rectangle) return 4;
+  const int sides = options.polygon == 0 ? 8 : options.polygon;
+  return kind == PrimitiveKind::kCone ? sides + 2 : kind == PrimitiveKind::kTorus ? 2 * sides : sides;
+}
+
 template <class T>
 gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
   return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), flags);
@@ -92,8 +100,9 @@ gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
 }  // namespace
 
 Status ObjectBatch::check_room(const ObjectScene& scene) {
-  GLint most = 0;
+  GLint most = 0, texels = 0;
   glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   const std::string buffers = "more than this OpenGL driver's buffers of " + std::to_string(most >> 20) + " MiB hold";
   std::array<std::size_t, 16> counts{};
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -108,7 +117,9 @@ Status ObjectBatch::check_room(const ObjectScene& scene) {
   }
   for (std::size_t i = 0; i < scene.sphere_sets.size(); ++i) {
     const std::size_t count = scene.sphere_sets[i].items.size();
-    if (count * sizeof(glm::vec4) <= static_cast<std::size_t>(most)) continue;
+    if (count * sizeof(glm::vec4) <= static_cast<std::size_t>(most) && count <= static_cast<std::size_t>(texels)) {
+      continue;
+    }
     return Error{ErrorCode::kData,
                  "its " + std::to_string(count) + " spheres are " + buffers + "; split it into several sets",
                  {},
@@ -131,9 +142,7 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
     if (of_kind.empty()) continue;
     add_kind(row.kind, scene, of_kind);
   }
-  spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options, shadow_kinds);
-  statistics_.spheres = spheres_.spheres();
-  if (empty()) return Done{};
+  if (kinds_.empty() && scene.sphere_sets.empty()) return Done{};
   view_uniforms_ = gl::Buffer::with_data(sizeof(ViewUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
   std::vector<MaterialInstance> materials;
   auto textures = load_textures(scene.materials);
@@ -144,6 +153,9 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
   }
   if (materials.empty()) materials.push_back(instance(ObjectMaterial{}, 0));
   materials_ = buffer_of(materials);
+  spheres_.upload(scene, static_cast<std::uint32_t>(scene.objects.size()), options, shadow_kinds, materials_,
+                  sizeof(MaterialInstance));
+  statistics_.spheres = spheres_.spheres();
   return Done{};
 }
 
@@ -170,7 +182,7 @@ void ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::sp
   made.instances = buffer_of(instances);
   made.order = gl::Buffer::with_data(static_cast<GLsizeiptr>(instances.size() * sizeof(std::uint32_t)), nullptr,
                                      GL_DYNAMIC_STORAGE_BIT);
-  const ProxyMesh mesh = proxy_mesh(row.proxy, options_.rectangle ? 4 : options_.polygon == 0 ? 8 : options_.polygon);
+  const ProxyMesh mesh = proxy_mesh(row.proxy, proxy_sides(kind, options_));
   made.corners = buffer_of(mesh.corners);
   made.elements = buffer_of(mesh.elements);
   made.element_count = static_cast<GLsizei>(mesh.elements.size());
@@ -195,16 +207,28 @@ Result<const Program*> ObjectBatch::program(const Kind& kind, const ObjectView& 
   const std::string name = row.name;
   const std::string key = name + " " + (view.channels ? "channels" : std::to_string(view.samples));
   if (const auto found = programs_.find(key); found != programs_.end()) return &found->second;
-  ShaderDefines defines = {{"NAME_HITS", name + "_hits"},   {"NAME_NORMAL", name + "_normal"},
-                           {"NAME_UV", name + "_uv"},       {"NAME_VALUE", name + "_value"},
-                           {"NAME_PROXY", name + "_proxy"}, {"SAMPLES", std::to_string(view.samples)}};
+  ShaderDefines defines = {{"NAME_HITS", name + "_hits"},
+                           {"NAME_NORMAL", name + "_normal"},
+                           {"NAME_UV", name + "_uv"},
+                           {"NAME_VALUE", name + "_value"},
+                           {"SAMPLES", std::to_string(view.samples)}};
   if (row.at_eye) defines.push_back({"AT_EYE", name + "_at_eye"});
   if (row.flat) defines.push_back({"NAME_INSIDE", name + "_inside"});
-  const bool round = row.proxy == Proxy::kRound;
-  defines.push_back(
-      {round ? (options_.rectangle ? "PROXY_RECTANGLE" : "PROXY_ROUND") : (row.flat ? "PROXY_FLAT" : "PROXY_HULL"),
-       ""});
-  if (options_.texture_space && (row.flat || (round && !options_.rectangle))) defines.push_back({"IN_PLANE", ""});
+  const bool outline = row.proxy == Proxy::kOutline || row.proxy == Proxy::kRing;
+  const bool sphere = kind.kind == PrimitiveKind::kSphere, rectangle = sphere && options_.rectangle;
+  if (outline) {
+    defines.push_back({"NAME_NEAR", name + "_near"});
+    defines.push_back({"NAME_OUTLINE", name + "_outline"});
+  } else {
+    defines.push_back({"NAME_PROXY", name + "_proxy"});
+  }
+  defines.push_back({rectangle  ? "PROXY_RECTANGLE"
+                     : outline  ? "PROXY_OUTLINE"
+                     : row.flat ? "PROXY_FLAT"
+                                : "PROXY_HULL",
+                     ""});
+  if (options_.texture_space && (row.flat || (sphere && !rectangle))) defines.push_back({"IN_PLANE", ""});
+  if (row.flat || sphere) defines.push_back({"ONE_SURFACE", ""});
   if (view.channels) defines.push_back({"CHANNELS", ""});
   if (!view.channels) {
     add_materials(defines, kind.materials);
@@ -228,7 +252,7 @@ void ObjectBatch::draw_kind(const Kind& kind, const ObjectView& view, const Prog
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, kind.instances.id());
   glBindVertexArray(kind.vertex_array.id());
   const PrimitiveRow& row = primitive_row(kind.kind);
-  const bool hull = !row.flat && row.proxy != Proxy::kRound;
+  const bool hull = !row.flat && row.proxy != Proxy::kOutline && row.proxy != Proxy::kRing;
   if (hull) {
     glEnable(GL_CULL_FACE);
     glCullFace(GL_FRONT);

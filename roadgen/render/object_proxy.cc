@@ -29,12 +29,20 @@ void add_fan(std::vector<Index>& elements, int first, int sides, bool reversed) 
   }
 }
 
-ProxyMesh prism(int sides) {
+// Corners of which the shader makes its polygon.
+ProxyMesh outline(int corners) {
   ProxyMesh mesh;
-  add_polygon(mesh.corners, sides, -1);
-  add_polygon(mesh.corners, sides, 1);
-  add_fan(mesh.elements, 0, sides, true);
-  add_fan(mesh.elements, sides, sides, false);
+  for (int i = 0; i < corners; ++i) mesh.corners.push_back(glm::vec3(i, corners, 1));
+  add_fan(mesh.elements, 0, corners, false);
+  return mesh;
+}
+
+// Between the outer and the inner polygon.
+ProxyMesh ring(int sides) {
+  ProxyMesh mesh;
+  for (const int outer : {1, 0}) {
+    for (int i = 0; i < sides; ++i) mesh.corners.push_back(glm::vec3(i, sides, outer));
+  }
   for (int i = 0; i < sides; ++i) {
     const int next = (i + 1) % sides;
     for (const int k : {i, next, sides + next, i, sides + next, sides + i}) {
@@ -57,7 +65,8 @@ ProxyMesh box() {
 ProxyMesh proxy_mesh(Proxy proxy, int sides) {
   switch (proxy) {
     case Proxy::kBox: return box();
-    case Proxy::kPrism: return prism(sides);
+    case Proxy::kOutline: return outline(sides);
+    case Proxy::kRing: return ring(sides);
     case Proxy::kTetra: {
       const float l = -0.25f, h = 0.75f;
       return {{{l, l, l}, {h, l, l}, {l, h, l}, {l, l, h}}, {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}};
@@ -67,7 +76,6 @@ ProxyMesh proxy_mesh(Proxy proxy, int sides) {
       return {{{l, l, 0}, {h, l, 0}, {l, h, 0}}, {0, 1, 2}};
     }
     case Proxy::kSquare: sides = 4; [[fallthrough]];
-    case Proxy::kRound:
     case Proxy::kPolygon: break;
   }
   ProxyMesh mesh;

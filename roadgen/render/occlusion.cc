@@ -6,12 +6,19 @@
 #include <numbers>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
 
 namespace roadgen {
 namespace {
 
 // For what single precision may be off: pixels, parts of a distance, and of the numbers that a place is the sum of.
 constexpr float kRoom_px = 0.02f, kRoom = 1e-5f, kPlace = 5e-7f;
+
+// Within [low, high]; low where x is not a number.
+float clamped(float x, float low, float high) {
+  x = x > low ? x : low;
+  return x < high ? x : high;
+}
 
 // std::ceil and std::floor of numbers from -1 to 1e9, which older processors have no instruction for.
 int up(float x) {
@@ -45,7 +52,7 @@ void Occlusion::begin(const Camera& camera, int width, int height, float reach_p
 // A direction within the angle asin(r / d) of the centre's meets the sphere, and angles are at most distances in the plane
 // at depth 1: the circle of radius r / d around the centre's image is covered. The sphere's front is at most as far along
 // the view axis as the farthest place of the circle in which it is touched.
-Occlusion::Image Occlusion::image(glm::vec3 c, float r, float slack) const {
+[[gnu::always_inline]] inline Occlusion::Image Occlusion::image(glm::vec3 c, float r, float slack) const {
   const float aside2 = c.x * c.x + c.y * c.y, d = std::sqrt(aside2 + c.z * c.z);
   const float inverse = scale_ / c.z, sine = r / d;
   Image i;
@@ -59,19 +66,23 @@ Occlusion::Image Occlusion::image(glm::vec3 c, float r, float slack) const {
   return i;
 }
 
-Occlusion::Rect Occlusion::rect(const Image& i) const {
-  const Rect none = {1, 0, 1, 0, true};
-  if (i.back < near_m_) return none;
-  if (!(i.front > near_m_)) return {0, columns_ - 1, 0, rows_ - 1, false};
+// Without branches, so that it can be computed for several at a time.
+[[gnu::always_inline]] inline Occlusion::Rect Occlusion::rect(const Image& i) const {
   const float reach = i.outside + reach_;
-  if (!(i.x + reach >= 0 && i.y + reach >= 0 && i.x - reach <= static_cast<float>(columns_ - 1) &&
-        i.y - reach <= static_cast<float>(rows_ - 1))) {
-    return none;
-  }
-  Rect box = {up(std::max(i.x - reach, 0.0f)), down(std::min(i.x + reach, static_cast<float>(columns_ - 1))),
-              up(std::max(i.y - reach, 0.0f)), down(std::min(i.y + reach, static_cast<float>(rows_ - 1))), true};
-  if (box.x0 > box.x1 || box.y0 > box.y1) return none;
-  if ((box.x1 - box.x0 + 1) * (box.y1 - box.y0 + 1) > kMostPixels) box.whole = false;
+  const auto columns = static_cast<float>(columns_), rows = static_cast<float>(rows_);
+  Rect box;
+  box.x0 = up(clamped(i.x - reach, 0, columns));
+  box.x1 = down(clamped(i.x + reach, -1, columns - 1));
+  box.y0 = up(clamped(i.y - reach, 0, rows));
+  box.y1 = down(clamped(i.y + reach, -1, rows - 1));
+  // The near plane cuts it, or it is behind that.
+  const bool cut = !(i.front > near_m_), behind = i.back < near_m_;
+  box.x0 = cut ? 0 : box.x0;
+  box.x1 = cut ? columns_ - 1 : box.x1;
+  box.y0 = cut ? 0 : box.y0;
+  box.y1 = behind ? -1 : cut ? rows_ - 1 : box.y1;
+  const int count = (box.x1 - box.x0 + 1) * (box.y1 - box.y0 + 1);
+  box.count = cut ? kMostPixels + 1 : count;
   return box;
 }
 
@@ -85,56 +96,84 @@ bool Occlusion::hidden(const Image& i, const Rect& r) const {
   const float outside = i.outside + reach_;
   for (int y = r.y0; y <= r.y1; ++y) {
     const float dy = std::max(0.0f, std::abs(static_cast<float>(y) - i.y) - reach_);
-    const float dx = std::sqrt(std::max(0.0f, outside * outside - dy * dy));
-    const int from = std::max(r.x0, up(std::max(i.x - dx, 0.0f)));
-    const int to = std::min(r.x1, down(std::max(i.x + dx, -1.0f)));
+    const float room2 = outside * outside - dy * dy;
     const float* row = &depth_m_[static_cast<std::size_t>(y) * columns];
     int open = 0;
-    for (int x = from; x <= to; ++x) open += row[x] > i.front ? 1 : 0;
-    if (open > 0) return false;
+    for (int x = r.x0; x <= r.x1; ++x) {
+      const float dx = static_cast<float>(x) - i.x;
+      open |= static_cast<int>(dx * dx <= room2) & static_cast<int>(row[x] > i.front);
+    }
+    if (open != 0) return false;
   }
   return true;
 }
 
 void Occlusion::cover(const Image& i, const Rect& box) {
+  if (i.inside <= 0) return;
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  const float farthest = i.farthest, middle = i.x, reach = reach_;
   for (int y = box.y0; y <= box.y1; ++y) {
     const float dy = std::abs(static_cast<float>(y) - i.y) + reach_;
     const float room2 = i.inside * i.inside - dy * dy;
-    if (i.inside <= 0 || room2 <= 0) continue;
-    const float dx = std::sqrt(room2) - reach_;
-    const int from = std::max(box.x0, up(std::max(i.x - dx, 0.0f)));
-    const int to = std::min(box.x1, down(std::max(i.x + dx, -1.0f)));
     float* row = &depth_m_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_)];
-    for (int x = from; x <= to; ++x) row[x] = std::min(row[x], i.farthest);
+    for (int x = box.x0; x <= box.x1; ++x) {
+      const float dx = std::abs(static_cast<float>(x) - middle) + reach;
+      const float most = dx * dx <= room2 ? farthest : kFar;
+      row[x] = row[x] < most ? row[x] : most;
+    }
   }
 }
 
 bool Occlusion::may_see(glm::vec3 center, float radius) const {
   const Image at = image(center, radius, kPlace * glm::length(center));
   const Rect box = rect(at);
-  return !box.whole || (box.x0 <= box.x1 && !hidden(at, box));
+  return !box.empty() && (box.countless() || !hidden(at, box));
+}
+
+struct Occlusion::Together {
+  float x[kTogether], y[kTogether], outside[kTogether], inside[kTogether], front[kTogether], back[kTogether],
+      farthest[kTogether];
+  int x0[kTogether], x1[kTogether], y0[kTogether], y1[kTogether], count[kTogether], near[kTogether];
+
+  Seen at(std::size_t i, std::uint32_t index) const {
+    return {index,
+            near[i] != 0,
+            {x[i], y[i], outside[i], inside[i], front[i], back[i], farthest[i]},
+            {x0[i], x1[i], y0[i], y1[i], count[i]}};
+  }
+};
+
+void Occlusion::find(std::span<const glm::vec4> spheres, const glm::mat3& view, glm::vec3 origin, float slack,
+                     Together& found) const {
+  // As plain numbers, which compilers see through.
+  const float* numbers = glm::value_ptr(spheres[0]);
+  for (std::size_t k = 0; k < spheres.size(); ++k) {
+    const float radius = numbers[4 * k + 3];
+    const glm::vec3 center = origin + view * glm::vec3(numbers[4 * k], numbers[4 * k + 1], numbers[4 * k + 2]);
+    const Image i = image(center, radius, slack);
+    const Rect box = rect(i);
+    found.x[k] = i.x, found.y[k] = i.y, found.outside[k] = i.outside, found.inside[k] = i.inside;
+    found.front[k] = i.front, found.back[k] = i.back, found.farthest[k] = i.farthest;
+    found.x0[k] = box.x0, found.x1[k] = box.x1, found.y0[k] = box.y0, found.y1[k] = box.y1;
+    found.count[k] = box.count;
+    const float three = 3 * radius + slack;
+    found.near[k] = static_cast<int>(glm::dot(center, center) <= three * three) |
+                    static_cast<int>(center.z <= 1.001f * (radius + near_m_) + slack);
+  }
 }
 
 void Occlusion::add(std::span<const glm::vec4> spheres, std::uint32_t first, const glm::mat3& view, glm::vec3 origin,
                     float extent) {
   const float slack = kPlace * (glm::length(origin) + extent);
-  // In two steps, so that the first is computed several spheres at a time.
-  constexpr std::size_t kTogether = 64;
-  Image images[kTogether];
-  bool near[kTogether];
+  Together found;
   for (std::size_t begin = 0; begin < spheres.size(); begin += kTogether) {
     const std::size_t n = std::min(kTogether, spheres.size() - begin);
+    find(spheres.subspan(begin, n), view, origin, slack, found);
     for (std::size_t i = 0; i < n; ++i) {
-      const glm::vec4& sphere = spheres[begin + i];
-      const glm::vec3 center = origin + view * glm::vec3(sphere);
-      images[i] = image(center, sphere.w, slack);
-      near[i] = glm::length(center) <= 3 * sphere.w + slack || center.z <= 1.001f * (sphere.w + near_m_) + slack;
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      const Rect box = rect(images[i]);
-      if (box.whole && (box.x0 > box.x1 || hidden(images[i], box))) continue;
-      seen_.push_back({first + static_cast<std::uint32_t>(begin + i), near[i], images[i]});
-      if (box.whole) cover(images[i], box);
+      const Seen sphere = found.at(i, first + static_cast<std::uint32_t>(begin + i));
+      if (sphere.rect.empty() || (!sphere.rect.countless() && hidden(sphere.image, sphere.rect))) continue;
+      seen_.push_back(sphere);
+      if (!sphere.rect.countless()) cover(sphere.image, sphere.rect);
     }
   }
 }
@@ -151,10 +190,9 @@ std::span<const Occlusion::Seen> Occlusion::finish() {
                 0);
   left_.clear();
   for (const Seen& sphere : seen_) {
-    const Rect box = rect(sphere.image);
     // What it covers itself is farther than its front.
-    if (box.whole && hidden(sphere.image, box)) continue;
-    touch(box);
+    if (!sphere.rect.countless() && hidden(sphere.image, sphere.rect)) continue;
+    touch(sphere.rect);
     left_.push_back(sphere);
   }
   seen_.clear();

@@ -5,6 +5,7 @@
 // of a group hide is found at the end. Conservative: what is seen anywhere is never left out.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,10 +31,18 @@ class Occlusion {
   struct Image {
     float x, y, outside, inside, front, back, farthest;
   };
+  // Pixels, inclusive, that it may touch; none where x0 > x1 or y0 > y1.
+  struct Rect {
+    int x0, x1, y0, y1;
+    int count;  // more than kMostPixels also where the near plane cuts it
+    bool countless() const { return count > kMostPixels; }
+    bool empty() const { return x0 > x1 || y0 > y1; }
+  };
   struct Seen {
     std::uint32_t index;
-    bool near;  // sphere_is_near of shaders/spheres.glsl, or about to be
+    bool near;  // as shaders/spheres.glsl has it, or about to be
     Image image;
+    Rect rect;
   };
   // Tiles from x_from to x_to, inclusive, of a row.
   struct Run {
@@ -55,13 +64,15 @@ class Occlusion {
   // Valid until the next call of add or finish.
   std::span<const Seen> finish();
   std::vector<Run> touched() const;
+  // Whether a circle around it, so many times as large as what it lies within, is in the picture.
+  bool within(const Image& i, float times) const {
+    const float reach = times * i.outside;
+    return i.x - reach > -0.5f && i.y - reach > -0.5f && i.x + reach < 2 * half_width_ - 0.5f &&
+           i.y + reach < 2 * half_height_ - 0.5f;
+  }
   static std::vector<Run> all_tiles(int width, int height);
 
  private:
-  struct Rect {
-    int x0, x1, y0, y1;  // pixels, inclusive; empty where x0 > x1
-    bool whole;          // within the picture, or nothing to say: count as seen
-  };
   // slack: what the centre may be off by.
   Image image(glm::vec3 center, float radius, float slack) const;
   Rect rect(const Image& i) const;
@@ -69,6 +80,11 @@ class Occlusion {
   bool hidden(const Image& i, const Rect& r) const;
   void cover(const Image& i, const Rect& box);
   void touch(const Rect& r);
+  // What image and rect say of no more than kTogether spheres, each number in an array.
+  static constexpr std::size_t kTogether = 64;
+  struct Together;
+  void find(std::span<const glm::vec4> spheres, const glm::mat3& view, glm::vec3 origin, float slack,
+            Together& found) const;
 
   int columns_ = 0, rows_ = 0, tile_columns_ = 0;
   float half_width_ = 0, half_height_ = 0, scale_ = 0;  // pixels; pixels a unit at distance 1

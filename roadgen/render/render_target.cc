@@ -34,7 +34,8 @@ Image<T> read_texture(GLuint texture, int width, int height, int channels, GLenu
   glGetTextureImage(texture, 0, format, type, static_cast<GLsizei>(image.pixels.size() * sizeof(T)),
                     image.pixels.data());
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  return flipped(image);
+  flip(image);
+  return image;
 }
 
 }  // namespace

@@ -91,8 +91,8 @@ struct ObjectOptions {
   // Spheres and ellipsoids by the rectangle on the screen that they touch; else by a polygon around the circle in which
   // the eye sees them, which wastes fewer pixels.
   bool rectangle = false;
-  // Corners of that polygon, and of those around discs and the ends of cylinders: 3 to 32; or 0: 8, and for spheres of
-  // sets, which cost little a pixel, by their size on the screen: 3, 4 or 8. See README, objects.
+  // Corners of that polygon, and of those around discs; two more around cylinders, twice as many around tori: 3 to 32; or 0:
+  // 8, and for spheres of sets, which cost little a pixel, by their size on the screen: 3, 4 or 8. See README, objects.
   int polygon = 0;
   // Acceptance where the rasterizer interpolates the plane of a flat shape, or the circle of a sphere (the paper's texture
   // space), in place of the ray's own place in 3D.

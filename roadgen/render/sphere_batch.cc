@@ -20,10 +20,12 @@
 namespace roadgen {
 namespace {
 
-// Where shaders/spheres_light.frag finds the indices.
-constexpr GLuint kIndexUnit = 4;
-// Spheres of one draw: their vertices are counted by 16 bits, with up to 32 corners.
-constexpr std::uint32_t kDrawSpheres = 2048;
+// Where shaders/spheres_light.frag finds the indices, and shaders/spheres.glsl what is drawn.
+constexpr GLuint kIndexUnit = 4, kPlacesUnit = 9, kLooksUnit = 10;
+// Elements of one draw: llvmpipe's memory for the vertices of more comes from the system, and goes back to it, each time.
+constexpr std::uint32_t kDrawElements = 1020;
+// After so many draws the pixels may begin: llvmpipe keeps what it has set up in memory that comes from the system, too.
+constexpr std::size_t kFlushDraws = 12;
 // Up to these radii on the screen, in pixels, spheres are drawn by triangles and by squares: what setting up more
 // triangles costs is more than the pixels that they spare.
 constexpr double kTriangle_px = 5, kSquare_px = 24;
@@ -33,19 +35,35 @@ gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
   return gl::Buffer::with_data(static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), flags);
 }
 
+// What is drawn at the picture's edges stands apart: llvmpipe draws all that it takes at once far slower where it must
+// clip any of it.
+constexpr std::size_t kLarge = 2, kAtEdge = 3, kNear = 4;
+
+int elements_of(int corners) { return 3 * (corners - 2); }
+std::uint32_t spheres_a_draw(int corners) { return kDrawElements / static_cast<std::uint32_t>(elements_of(corners)); }
+
+// Of the polygons of one draw, and of one more: llvmpipe copies those one by one that end with the buffer.
+gl::Buffer draw_elements(int corners) { return buffer_of(polygon_elements(corners, spheres_a_draw(corners) + 1)); }
+
 }  // namespace
 
 void SphereBatch::upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
-                         unsigned shadow_kinds) {
+                         unsigned shadow_kinds, const gl::Buffer& materials, std::size_t material_bytes) {
   *this = {};
   options_ = options;
   shadow_kinds_ = shadow_kinds;
   for (const SphereSet& set : scene.sphere_sets) {
-    if (!set.items.empty()) add(scene, set, first_instance);
+    if (!set.items.empty()) {
+      add(scene, set, first_instance);
+      const auto bytes = static_cast<GLsizeiptr>(material_bytes);
+      sets_.back().material = gl::Buffer::with_data(bytes, nullptr, 0);
+      glCopyNamedBufferSubData(materials.id(), sets_.back().material.id(), static_cast<GLintptr>(set.material) * bytes,
+                               0, bytes);
+    }
     first_instance += static_cast<std::uint32_t>(set.items.size());
   }
   if (sets_.empty()) return;
-  for (std::size_t i : {0, 1}) elements_[i] = buffer_of(polygon_elements(i == 0 ? 4 : corners_of(2), kDrawSpheres));
+  elements_ = {draw_elements(4), draw_elements(corners_of(2))};
   array_ = gl::VertexArray::create();
 }
 
@@ -54,29 +72,37 @@ void SphereBatch::add(const ObjectScene& scene, const SphereSet& set, std::uint3
   for (const SphereSet::Item& item : set.items) centers.emplace_back(item.center);
   const std::vector<std::uint32_t> order = space_order(centers);
   Set made;
-  std::vector<glm::uvec2> colors;
   std::vector<glm::dvec3> sorted;
   std::vector<double> radii;
   for (const std::uint32_t i : order) {
     const SphereSet::Item& item = set.items[i];
     made.data.emplace_back(item.center, item.radius);
-    colors.emplace_back(std::bit_cast<std::uint32_t>(item.color), i);
+    made.looks.emplace_back(std::bit_cast<std::uint32_t>(item.color), i);
     sorted.push_back(set.origin_m + centers[i]);
     radii.push_back(item.radius);
     made.largest_m = std::max(made.largest_m, radii.back());
     made.extent_m = std::max(made.extent_m, glm::length(centers[i]));
   }
   made.groups = groups_of(sorted, radii);
-  made.spheres = buffer_of(made.data);
-  made.colors = buffer_of(colors);
-  made.order =
-      gl::Buffer::with_data(static_cast<GLsizeiptr>(order.size() * sizeof order[0]), nullptr, GL_DYNAMIC_STORAGE_BIT);
   made.origin_m = set.origin_m;
   made.first_instance = first_instance;
-  made.material = set.material;
   made.parts = material_parts(scene, set.material);
   spheres_ += made.data.size();
   sets_.push_back(std::move(made));
+}
+
+template <class T>
+void SphereBatch::FrameBuffer::bind(GLuint unit, GLenum format, const std::vector<T>& data) {
+  const auto bytes = static_cast<GLsizeiptr>(data.size() * sizeof(T));
+  if (bytes > room) {
+    room = bytes + bytes / 2;
+    buffer = gl::Buffer::with_data(room, nullptr, GL_DYNAMIC_STORAGE_BIT);
+    texels = gl::Texture::create(GL_TEXTURE_BUFFER);
+  }
+  glNamedBufferSubData(buffer.id(), 0, bytes, data.data());
+  // No more than this: what lies behind is of other frames.
+  glTextureBufferRange(texels.id(), format, buffer.id(), 0, bytes);
+  glBindTextureUnit(unit, texels.id());
 }
 
 Result<const SphereBatch::IndexPrograms*> SphereBatch::index_programs(int samples) {
@@ -159,7 +185,9 @@ void SphereBatch::choose(const Set& set, const ObjectView& view) {
                    static_cast<float>(set.extent_m));
   }
   for (const Occlusion::Seen& sphere : occlusion_.finish()) {
-    list_of(static_cast<double>(sphere.image.outside), sphere.near).push_back(sphere.index);
+    auto& list = list_of(static_cast<double>(sphere.image.outside), sphere.near);
+    const bool whole = &list > &lists_[1] || occlusion_.within(sphere.image, &list == &lists_[0] ? 2.0f : 1.4143f);
+    (whole ? list : lists_[kAtEdge]).push_back(sphere.index);
   }
   runs_ = occlusion_.touched();
 }
@@ -188,8 +216,8 @@ void SphereBatch::choose_all(const Set& set, const ObjectView& view) {
 }
 
 std::vector<std::uint32_t>& SphereBatch::list_of(double radius_px, bool near) {
-  if (near) return lists_[3];
-  if (options_.rectangle || options_.polygon != 0 || !(radius_px <= kSquare_px)) return lists_[2];
+  if (near) return lists_[kNear];
+  if (options_.rectangle || options_.polygon != 0 || !(radius_px <= kSquare_px)) return lists_[kLarge];
   return lists_[radius_px <= kTriangle_px ? 0 : 1];
 }
 
@@ -205,48 +233,68 @@ void SphereBatch::draw_indices(const Program& program, int corners, std::size_t 
   glUniform1ui(1, static_cast<GLuint>(first));
   if (program.has_uniform("corners[0]")) {
     glUniform1i(2, corners);
-    const std::vector<glm::vec3> around = proxy_mesh(Proxy::kRound, corners).corners;
+    const std::vector<glm::vec3> around = proxy_mesh(Proxy::kPolygon, corners).corners;
     for (std::size_t i = 0; i < around.size(); ++i) glUniform2f(3 + static_cast<GLint>(i), around[i].x, around[i].y);
   }
-  if (corners == 3) {
-    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * count));
-    return;
+  if (corners > 3) glVertexArrayElementBuffer(array_.id(), elements_[corners == 4 ? 0 : 1].id());
+  const std::size_t most = spheres_a_draw(corners);
+  for (std::size_t at = 0; at < count; at += most) {
+    const auto spheres = static_cast<GLsizei>(std::min(most, count - at));
+    const auto base = static_cast<GLint>(at) * corners;
+    if (corners == 3) {
+      glDrawArrays(GL_TRIANGLES, base, 3 * spheres);
+    } else {
+      glDrawRangeElementsBaseVertex(GL_TRIANGLES, 0, static_cast<GLuint>(spheres * corners - 1),
+                                    spheres * elements_of(corners), GL_UNSIGNED_SHORT, nullptr, base);
+    }
+    if ((at / most + 1) % kFlushDraws == 0) glFlush();
   }
-  glVertexArrayElementBuffer(array_.id(), elements_[corners == 4 ? 0 : 1].id());
-  std::vector<GLsizei> counts;
-  std::vector<GLint> firsts;
-  for (std::size_t at = 0; at < count; at += kDrawSpheres) {
-    const std::size_t spheres = std::min<std::size_t>(kDrawSpheres, count - at);
-    counts.push_back(static_cast<GLsizei>(spheres) * 3 * (corners - 2));
-    firsts.push_back(static_cast<GLint>(at) * corners);
-  }
-  const std::vector<const void*> offsets(counts.size(), nullptr);
-  glMultiDrawElementsBaseVertex(GL_TRIANGLES, counts.data(), GL_UNSIGNED_SHORT, offsets.data(),
-                                static_cast<GLsizei>(counts.size()), firsts.data());
 }
 
-Status SphereBatch::draw_set(const Set& set, const ObjectView& view, const IndexPrograms& index,
+// In double, so that a sphere 1e5 radii away, magnified, is as exact as a near one.
+void SphereBatch::take_places(const Set& set, const ObjectView& view) {
+  const ViewAxes axes = view_axes(view.camera);
+  const glm::dvec3 from_eye = set.origin_m - view.camera.position_m;
+  const glm::dvec3 origin(glm::dot(axes.right, from_eye), glm::dot(axes.up, from_eye),
+                          glm::dot(axes.forward, from_eye));
+  const double per_pixel = view.height / (2 * std::tan(view.camera.fov_deg * std::numbers::pi / 360));
+  const glm::dvec2 middle(0.5 * view.width, 0.5 * view.height);
+  places_.clear();
+  looks_.clear();
+  for (std::size_t list = 0; list < lists_.size(); ++list) {
+    for (const std::uint32_t i : lists_[list]) {
+      const glm::dvec3 p(set.data[i]);
+      const float radius = set.data[i].w;
+      const glm::dvec3 c =
+          origin + glm::dvec3(glm::dot(axes.right, p), glm::dot(axes.up, p), glm::dot(axes.forward, p));
+      if (list == kNear) {
+        const glm::dvec3 eye = c * (-1 / static_cast<double>(radius));
+        places_.emplace_back(glm::vec3(eye), static_cast<float>(glm::dot(eye, eye) - 1));
+        looks_.emplace_back(set.looks[i], std::bit_cast<std::uint32_t>(radius), 0);
+      } else {
+        places_.emplace_back(glm::vec2(glm::dvec2(c) * (per_pixel / c.z) + middle), c.z, radius);
+        looks_.emplace_back(set.looks[i], 0, 0);
+      }
+    }
+  }
+}
+
+Status SphereBatch::draw_set(Set& set, const ObjectView& view, const IndexPrograms& index,
                              std::span<const glm::vec2> sample_places) {
   for (auto& list : lists_) list.clear();
   options_.occlusion ? choose(set, view) : choose_all(set, view);
-  order_.clear();
-  for (const auto& list : lists_) order_.insert(order_.end(), list.begin(), list.end());
-  if (order_.empty()) return Done{};
-  drawn_ += order_.size();
-  const auto light = light_program(view, set.parts, !lists_[3].empty());
+  take_places(set, view);
+  if (places_.empty()) return Done{};
+  drawn_ += places_.size();
+  const auto light = light_program(view, set.parts, !lists_[kNear].empty());
   if (!light) return light.error();
-  glNamedBufferSubData(set.order.id(), 0, static_cast<GLsizeiptr>(order_.size() * sizeof order_[0]), order_.data());
-  const ViewAxes axes = view_axes(view.camera);
-  const glm::dvec3 origin = set.origin_m - view.camera.position_m;
-  for (const Program* program : {&index.far, &index.near, &index.rectangle, *light}) {
-    if (program->id() == 0) continue;
-    glProgramUniform3d(program->id(), 0, glm::dot(axes.right, origin), glm::dot(axes.up, origin),
-                       glm::dot(axes.forward, origin));
-    if (view.samples > 1) glProgramUniform2fv(program->id(), 40, view.samples, &sample_places[0].x);
+  if (view.samples > 1) {
+    for (const Program* program : {&index.far, &index.near, &index.rectangle, *light}) {
+      if (program->id() != 0) glProgramUniform2fv(program->id(), 40, view.samples, &sample_places[0].x);
+    }
   }
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, set.spheres.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, set.colors.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, set.order.id());
+  set.places.bind(kPlacesUnit, GL_RGBA32F, places_);
+  set.drawn_looks.bind(kLooksUnit, GL_RGBA32UI, looks_);
   glBindVertexArray(array_.id());
 
   glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
@@ -254,7 +302,7 @@ Status SphereBatch::draw_set(const Set& set, const ObjectView& view, const Index
   glClearBufferuiv(GL_COLOR, 0, none);
   std::size_t first = 0;
   for (std::size_t list = 0; list < lists_.size(); ++list) {
-    const Program& program = list == 3 ? index.near : options_.rectangle ? index.rectangle : index.far;
+    const Program& program = list == kNear ? index.near : options_.rectangle ? index.rectangle : index.far;
     draw_indices(program, corners_of(list), first, lists_[list].size());
     first += lists_[list].size();
   }
@@ -268,11 +316,8 @@ void SphereBatch::light_tiles(const Set& set, const ObjectView& view, const Prog
   glDepthFunc(GL_LESS);
   glDepthMask(GL_FALSE);
   light.use();
-  if (view.channels) {
-    glUniform1ui(1, view.first_instance + set.first_instance);
-  } else {
-    glUniform1ui(2, set.material);
-  }
+  if (view.channels) glUniform1ui(1, view.first_instance + set.first_instance);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 4, set.material.id());
   glUniform2f(3, 2.0f * Occlusion::kTile_px / static_cast<float>(view.width),
               2.0f * Occlusion::kTile_px / static_cast<float>(view.height));
   glBindTextureUnit(kIndexUnit, indices_.id());
@@ -294,7 +339,7 @@ Status SphereBatch::draw(const ObjectView& view, std::span<const glm::vec2> samp
     if (view.samples > 1) reach_px = std::max({reach_px, std::abs(place.x), std::abs(place.y)});
   }
   if (options_.occlusion) occlusion_.begin(view.camera, view.width, view.height, reach_px);
-  for (const Set& set : sets_) {
+  for (Set& set : sets_) {
     if (Status s = draw_set(set, view, **index, sample_places); !s) return s;
   }
   return Done{};

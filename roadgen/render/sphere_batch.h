@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -23,10 +24,11 @@ namespace roadgen {
 
 class SphereBatch {
  public:
-  // Replaces the sets. first_instance: number of the first sphere; shadow_kinds: SunGrid::kinds(). Cost: O(n log n); 28 bytes a sphere on the GPU, 16 on
-  // the CPU.
+  // Replaces the sets. first_instance: number of the first sphere; shadow_kinds: SunGrid::kinds(); materials:
+  // the scene's, of so many bytes each. Cost: O(n log n); 24 bytes a sphere on the CPU, on the GPU 32 for each that is
+  // drawn.
   void upload(const ObjectScene& scene, std::uint32_t first_instance, const ObjectOptions& options,
-              unsigned shadow_kinds);
+              unsigned shadow_kinds, const gl::Buffer& materials, std::size_t material_bytes);
   bool empty() const { return sets_.empty(); }
   std::size_t spheres() const { return spheres_; }
   std::size_t drawn() const { return drawn_; }  // in the last frame
@@ -36,13 +38,23 @@ class SphereBatch {
   Status draw(const ObjectView& view, std::span<const glm::vec2> sample_places);
 
  private:
+  // What a frame fills, as large as one had to be.
+  struct FrameBuffer {
+    gl::Buffer buffer;
+    gl::Texture texels;
+    GLsizeiptr room = 0;
+    template <class T>
+    void bind(GLuint unit, GLenum format, const std::vector<T>& data);
+  };
   struct Set {
     std::vector<ObjectGroup> groups;
-    std::vector<glm::vec4> data;  // centre from the origin, radius
-    gl::Buffer spheres, colors, order;
+    std::vector<glm::vec4> data;    // centre from the origin, radius
+    std::vector<glm::uvec2> looks;  // colour; number within the set
+    FrameBuffer places, drawn_looks;
+    gl::Buffer material;
     glm::dvec3 origin_m;
     double largest_m = 0, extent_m = 0;  // the largest radius; no centre is farther from the origin
-    std::uint32_t first_instance, material;
+    std::uint32_t first_instance;
     unsigned parts;  // MATERIALS of shaders/object_light.glsl
   };
   // For one kind of frame.
@@ -68,7 +80,9 @@ class SphereBatch {
   std::vector<std::uint32_t>& list_of(double radius_px, bool near);
   void draw_indices(const Program& program, int corners, std::size_t first, std::size_t count) const;
   int corners_of(std::size_t list) const;
-  Status draw_set(const Set& set, const ObjectView& view, const IndexPrograms& index,
+  // Of lists_, list by list, as shaders/spheres.glsl has them.
+  void take_places(const Set& set, const ObjectView& view);
+  Status draw_set(Set& set, const ObjectView& view, const IndexPrograms& index,
                   std::span<const glm::vec2> sample_places);
   void light_tiles(const Set& set, const ObjectView& view, const Program& light) const;
 
@@ -78,9 +92,11 @@ class SphereBatch {
   std::vector<IndexPrograms> index_programs_;
   std::vector<LightProgram> light_programs_;
   Occlusion occlusion_;
-  // Of the set that is drawn, by the number of their polygon's corners; last the near ones.
-  std::array<std::vector<std::uint32_t>, 4> lists_;
-  std::vector<std::uint32_t> order_;
+  // Of the set that is drawn, by the number of their polygon's corners: triangles, squares, larger ones; large polygons at
+  // the picture's edge; the near ones.
+  std::array<std::vector<std::uint32_t>, 5> lists_;
+  std::vector<glm::vec4> places_;
+  std::vector<glm::uvec4> looks_;
   std::vector<Occlusion::Run> runs_;
   gl::Buffer runs_buffer_;
   std::array<gl::Buffer, 2> elements_;  // of polygons with 4 corners, and with those of lists_[2]

@@ -156,4 +156,28 @@ std::vector<std::string> problems(const Road& road, const Sweep& sweep) {
   return found.list;
 }
 
+std::vector<Sweep> parts_between_tight_bends(const Road& road, const Sweep& sweep, double least_m) {
+  if (!(sweep.s_end_m - sweep.s_start_m >= least_m)) return {};
+  const std::vector<double> tight = tight_places(road, sweep);
+  if (tight.empty()) return {sweep};
+  std::vector<Sweep> parts;
+  double from = sweep.s_start_m;
+  // A part has ends of its own, with head walls that may be too wide there: it is looked at again.
+  const auto add_to = [&](double to) {
+    Sweep part = sweep;
+    part.s_start_m = from;
+    part.s_end_m = to;
+    part.t_m += sweep.t_slope * (from - sweep.s_start_m);
+    const std::vector<Sweep> more = parts_between_tight_bends(road, part, least_m);
+    parts.insert(parts.end(), more.begin(), more.end());
+  };
+  for (const double s_m : tight) {
+    const Segment& segment = road.segments[segment_at(road, s_m + 1e-6)];
+    add_to(segment.s_start_m);
+    from = segment.s_start_m + segment.arc_m;
+  }
+  add_to(sweep.s_end_m);
+  return parts;
+}
+
 }  // namespace roadgen

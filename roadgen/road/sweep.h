@@ -86,6 +86,9 @@ inline constexpr double kSweepFoot_m = 0.6;
 // Least part of its length that a road's centre line may keep at the inside of a sweep: 1 - n / radius of curvature.
 inline constexpr double kLeastStretch = 0.2;
 
+// The parts of a sweep of good numbers between the segments that bend too tightly for it, at least least_m long; along the road.
+std::vector<Sweep> parts_between_tight_bends(const Road& road, const Sweep& sweep, double least_m);
+
 // What is wrong with a sweep, each "road R, s = 12.300 m: what"; empty where nothing is. A sweep with a bad number is
 // not drawn, one that runs past the road is cut off there, and where the road bends tighter than it allows there is a gap.
 // Cost: O(segments).

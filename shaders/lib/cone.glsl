@@ -41,8 +41,48 @@ FN vec2 cone_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   return vec2(object_turn(p.y, p.x), 0.5 + 0.5 * p.z);
 }
 
-// A vertex of the prism around the unit cylinder, at this solid.
-FN vec3 cone_proxy(IN(vec3) q, IN(ObjectShape) s) {
-  float radius = s.p0 + s.p1 * q.z;
-  return vec3(q.x * radius, q.y * radius, q.z);
+FN bool cone_near(IN(vec3) eye, IN(ObjectShape) s) {
+  return abs(eye.z) < 1.02 && sqrt(eye.x * eye.x + eye.y * eye.y) < s.p0 + s.p1 * eye.z + 0.02;
+}
+
+// The side's tangent planes through the eye touch at the angles `middle` +- `half_`: cos(half_) = w / rho. What is seen of
+// the solid ends there, and at an arc of either end between them: at the far one of an end that is seen from outside, else
+// at the near one. The polygon's other lines are tangents of these arcs, in even steps.
+// corner.y: at least 5. An eye over an end within the side's cone sees this end alone; one beyond the apex the wider.
+FN vec3 cone_outline(IN(vec3) corner, IN(vec3) eye, IN(ObjectShape) s) {
+  const float kTurn = float(6.28318530717958648);
+  float w = s.p0 + s.p1 * eye.z;
+  float rho = sqrt(eye.x * eye.x + eye.y * eye.y);
+  float over = eye.z < 0.0 ? float(-1.0) : float(1.0);
+  float n = corner.y;
+  // The first `count` corners are on the end z = `end`, on the arc `from` to from + arc; the others on the other.
+  float end = over;
+  float count = n;
+  float from = float(0.0);
+  float arc = kTurn;
+  if (rho > abs(w)) {
+    float middle = atan(eye.y, eye.x);
+    float half_ = acos(w / rho);
+    float near_arc = 2.0 * half_;
+    bool outside = abs(eye.z) > 1.0;
+    arc = outside ? kTurn - near_arc : near_arc;
+    // An apex takes one.
+    count = clamp(floor(n * arc / (arc + near_arc) + 0.5), float(1.0), n - 1.0);
+    if (s.p0 + s.p1 * end == 0.0) count = float(1.0);
+    if (s.p0 - s.p1 * end == 0.0) count = n - 1.0;
+    from = outside ? middle + half_ : middle - half_;
+    if (corner.x >= count) {
+      // On from where the first arc ends, around the near one; back where the first was the near one, too.
+      end = -end;
+      from = outside ? middle - half_ : middle + half_;
+      arc = outside ? near_arc : -near_arc;
+    }
+  } else if (w <= 0.0) {
+    end = s.p1 < 0.0 ? float(-1.0) : float(1.0);
+  }
+  bool later = corner.x >= count;
+  float step_ = arc / (later ? n - count : count);
+  float turn = from + step_ * (corner.x - (later ? count : float(0.0)) + 0.5);
+  float radius = (s.p0 + s.p1 * end) / cos(0.5 * step_);
+  return vec3(radius * cos(turn), radius * sin(turn), end);
 }

@@ -7,6 +7,12 @@
 //   ObjectHits NAME_hits(o, d, at_o, shape)  at_o: NAME_value(o), which at the eye is known in double
 //   vec3 NAME_normal(p, face, shape)       outward, not unit; a covector of the frame
 //   vec2 NAME_uv(p, face, shape)           in [0, 1]
+// and what covers it on the screen, either, of a hull or a flat shape,
+//   vec3 NAME_proxy(q, shape)              a corner of the mesh that its row of the table names, in the shape's frame
+// or, of tangent planes through the eye, the same of any convex shape that the eye is outside of,
+//   bool NAME_near(eye, shape)             whether the eye is in it, or so near that digits do not tell
+//   vec3 NAME_outline(corner, eye, shape)  corner.x of corner.y corners of a polygon around what the eye sees, in their
+//                                          order; of a ring corner.z is 1, and 0 on the polygon within its hole
 // Source: S. M. Ranta, J. M. Singh, P. J. Narayanan, GPU Objects, 2006, algorithm 1.
 
 #define OBJECT_FAR 1e30
@@ -138,6 +144,14 @@ FN vec2 object_roots(IN(float) a, IN(float) b, IN(float) c, IN(float) root) {
   float one = q / (abs(a) < 1e-25 ? float(1e-25) : a);
   float two = q == 0.0 ? one : c / q;
   return vec2(min(one, two), max(one, two));
+}
+
+// Corner `corner.x` of a polygon of `corner.y` sides around the unit circle.
+FN vec2 object_around(IN(vec3) corner) {
+  float half_ = 3.14159265358979324 / corner.y;
+  float turn = (2.0 * corner.x + 1.0) * half_;
+  float out_ = 1.0 / cos(half_);
+  return vec2(out_ * cos(turn), out_ * sin(turn));
 }
 
 // The angle of (x, y) as a part of a turn, in [0, 1).

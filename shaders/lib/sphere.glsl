@@ -37,4 +37,10 @@ FN vec3 sphere_circle(IN(float) x, IN(float) y, IN(vec3) toward, IN(float) from)
   float radius = sqrt(max(1.0 - part * part, float(0.0)));
   return toward * part + across * (x * radius) + up_ * (y * radius);
 }
-FN vec3 sphere_proxy(IN(vec3) q, IN(ObjectShape) s) { return q; }
+FN bool sphere_near(IN(vec3) eye, IN(ObjectShape) s) { return dot(eye, eye) < 1.03; }
+
+FN vec3 sphere_outline(IN(vec3) corner, IN(vec3) eye, IN(ObjectShape) s) {
+  vec2 q = object_around(corner);
+  float from = sqrt(dot(eye, eye));
+  return sphere_circle(q.x, q.y, eye * (1.0 / from), from);
+}

@@ -105,6 +105,49 @@ FN vec2 torus_uv(IN(vec3) p, IN(int) face, IN(ObjectShape) s) {
   return vec2(object_turn(p.y, p.x), object_turn(p.z, sqrt(p.x * p.x + p.y * p.y) - 1.0));
 }
 
-FN vec3 torus_proxy(IN(vec3) q, IN(ObjectShape) s) {
-  return vec3(q.x * (1.0 + s.p0), q.y * (1.0 + s.p0), q.z * s.p0);
+FN bool torus_near(IN(vec3) eye, IN(ObjectShape) s) { return dot(eye, eye) < 1.06 * (1.0 + s.p0) * (1.0 + s.p0); }
+
+// How far out in the unit direction u, across the unit direction `toward` of an eye at distance `from`, the eye sees the
+// torus, projected to the plane through the centre across `toward`: the greatest (u p) / (1 - toward p / from). Of all
+// tangent planes u p + h (toward p) = const the one through the eye, by Dinkelbach's method: h from the point that is
+// farthest along the plane's normal, again and again; it grows toward the solution, quadratically.
+// 1e-5 more than found, for what the steps and the digits leave.
+FN float torus_reach(IN(vec3) u, IN(vec3) toward, IN(float) from, IN(ObjectShape) s) {
+  float reach = float(0.0);
+  for (int i = 0; i < 5; ++i) {
+    vec3 g = u + toward * (reach / from);
+    float flat_ = 1.0 / max(sqrt(g.x * g.x + g.y * g.y), float(1e-20));
+    vec3 p = g * (s.p0 / sqrt(dot(g, g))) + vec3(g.x * flat_, g.y * flat_, 0.0);
+    reach = dot(u, p) / (1.0 - dot(toward, p) / from);
+  }
+  return reach * 1.00001;
+}
+
+// The outer polygon is of tangent planes through the eye, in the even steps of the ellipse that the ring about is seen as.
+// The inner one is a circle's in z = 0: a ray that passes there at the distance 1 - x from the axis and climbs at the angle
+// c is at least x sin(c) away from the ring's middle line, so with the least c of all rays within it passes the tube.
+FN vec3 torus_outline(IN(vec3) corner, IN(vec3) eye, IN(ObjectShape) s) {
+  float from = sqrt(dot(eye, eye));
+  float rho = sqrt(eye.x * eye.x + eye.y * eye.y);
+  vec3 toward = eye * (1.0 / from);
+  vec3 a = rho > 1e-6 * from ? vec3(-eye.y / rho, eye.x / rho, 0.0) : vec3(1.0, 0.0, 0.0);
+  vec3 b = vec3(-toward.z * a.y, toward.z * a.x, toward.x * a.y - toward.y * a.x);
+  float step_ = 6.28318530717958648 / corner.y;
+  float turn = corner.x * step_;
+  if (corner.z == 0.0) {
+    float climb = abs(eye.z) / sqrt(eye.z * eye.z + (rho + 1.0) * (rho + 1.0));
+    float radius = max(1.0 - s.p0 / max(climb, float(1e-6)), float(0.0));
+    float x = radius * cos(turn + 0.5 * step_);
+    float y = (eye.z < 0.0 ? -radius : radius) * sin(turn + 0.5 * step_);
+    return vec3(x * a.x - y * a.y, x * a.y + y * a.x, 0.0);
+  }
+  // Two neighbouring lines and where they meet.
+  float wide = 1.0 / (1.0 + s.p0);
+  float high = 1.0 / (abs(toward.z) + s.p0);
+  vec2 one = normalize(vec2(wide * cos(turn), high * sin(turn)));
+  vec2 two = normalize(vec2(wide * cos(turn + step_), high * sin(turn + step_)));
+  float reach_one = torus_reach(a * one.x + b * one.y, toward, from, s);
+  float reach_two = torus_reach(a * two.x + b * two.y, toward, from, s);
+  float turned = 1.0 / (one.x * two.y - one.y * two.x);
+  return a * ((reach_one * two.y - reach_two * one.y) * turned) + b * ((reach_two * one.x - reach_one * two.x) * turned);
 }

@@ -336,12 +336,16 @@ void print_spheres(Context& context, const std::string& name, const SphereSet& s
   Times times[kWays + 1];
   const std::optional<Peer> before = vtk(set, camera, repeats);
   for (int i = -1; i < repeats; ++i) {
-    Times ignored;
-    const auto into = [&](int k) -> Times& { return i < 0 ? ignored : times[k]; };
+    // Each method's frame follows one of its own, as the peer's do, and not another's.
+    const auto take = [&](int k, const auto& draw) {
+      draw();
+      Times ignored;
+      (i < 0 ? ignored : times[k]).add(draw);
+    };
     for (int k = 0; k < kWays; ++k) {
-      into(k).add([&] { need(renderers[static_cast<std::size_t>(k)].render(camera, frame)); });
+      take(k, [&] { need(renderers[static_cast<std::size_t>(k)].render(camera, frame)); });
     }
-    into(kWays).add([&] {
+    take(kWays, [&] {
       mesh.draw(target);
       static_cast<void>(target.read_rgba8());
     });
@@ -424,6 +428,45 @@ void print_full_screen(Context& context, int repeats) {
     }
     fmt::print("| {} | {:.1f} | {:.1f} | {:.0f} |\n", name, median(times[0].process), median(times[1].process),
                1e3 / median(times[0].wall));
+  }
+}
+
+// Many of a kind -------------------------------------------------------------------------------------------------------------
+
+// Frames of objects of one kind beside and behind one another, about 64 and 12 pixels wide: what proxies cost and spare.
+void print_kinds(Context& context, int repeats) {
+  fmt::print(
+      "\nObjects of one kind over {} x {} pixels, read back, process ms\n\n| shape | 60 large | 2,000 small | 60 "
+      "large, "
+      "4 samples |\n|---|---|---|---|\n",
+      kSize, kSize);
+  ShapeRandom names(1);
+  for (int kind = 0; kind < test::kShapeKinds; ++kind) {
+    std::string row = fmt::format("| {}", shape_name(test::random_shape(kind, names)));
+    for (const int column : {0, 1, 2}) {
+      const int count = column == 1 ? 2000 : 60;
+      const double distance = column == 1 ? 64 : 12;
+      ObjectScene scene;
+      ShapeRandom random(static_cast<std::uint64_t>(kind) + 3);
+      for (int i = 0; i < count; ++i) {
+        Object& object = scene.objects.emplace_back();
+        object.shape = test::random_shape(kind, random);
+        object.transform = glm::dmat4(random.rotation());
+        const double x = distance * random.uniform(0.8, 1.2);
+        object.transform[3] = glm::dvec4(x, x * random.uniform(-0.5, 0.5), x * random.uniform(-0.5, 0.5), 1);
+      }
+      Renderer renderer = need(Renderer::create(context));
+      need(renderer.load_objects(scene, {.shadows = false}));
+      Times times;
+      for (int i = -1; i < repeats; ++i) {
+        Times ignored;
+        (i < 0 ? ignored : times).add([&] {
+          need(renderer.render({}, {.width = kSize, .height = kSize, .samples = column == 2 ? 4 : 1}));
+        });
+      }
+      row += fmt::format(" | {:.1f}", median(times.process));
+    }
+    fmt::print("{} |\n", row);
   }
 }
 
@@ -595,7 +638,7 @@ int run(int argc, char** argv) {
   CLI::App app("What objects cost, and what else would.");
   std::string data = ROADGEN_SOURCE_DIR "/../shared/data/geometry/";
   std::string xyzr = data + "pdb/ribosome_4V5A_first99130.xyzr", mesh = data + "common-3d/spot.obj";
-  std::string pictures, parts = "ellipse,spheres,screen,depth,proxies";
+  std::string pictures, parts = "ellipse,spheres,screen,kinds,depth,proxies";
   int repeats = 9;
   app.add_option("--xyzr", xyzr, "spheres, a line x y z radius each")->capture_default_str();
   app.add_option("--mesh", mesh, "a mesh that 35,947 spheres are spread over")->capture_default_str();
@@ -613,6 +656,7 @@ int run(int argc, char** argv) {
   if (wanted("ellipse")) print_ellipse(*context);
   if (wanted("spheres")) print_clouds(*context, xyzr, mesh, repeats);
   if (wanted("screen")) print_full_screen(*context, repeats);
+  if (wanted("kinds")) print_kinds(*context, repeats);
   if (wanted("depth")) print_depth(*context, read_xyzr(xyzr), repeats);
   if (wanted("proxies")) print_wasted(*context);
   return 0;

@@ -13,6 +13,7 @@
 #include "roadgen/import/import.h"
 #include "roadgen/road/crossing.h"
 #include "terrain/natural.h"
+#include "terrain/terrain.h"
 #include "tests/unit/terrain_scenes.h"
 
 namespace roadgen {
@@ -202,17 +203,19 @@ TEST(FitHeights, ACrossingOnAHillsideIsAPlane) {
   EXPECT_TRUE(checked.ok()) << checked.problems.front();
 }
 
-// A road that passed 6 m over another still has 5.5 m, with ramps within the limits; one that passed 4 m over it, 4 m.
+// A road that passed 6 m over another still has 5.5 m, with ramps within the limits; one that passed 4 m over it, 4 m, but on a
+// bridge 5.5 m too.
 TEST(FitHeights, WhatPassesOverARoadStillDoes) {
-  for (const double above : {6.0, 4.0}) {
+  for (const auto& [above, is_bridge] : {std::pair(6.0, true), {4.0, true}, {4.0, false}}) {
+    const double due = is_bridge ? 5.5 : std::min(above, 5.5);
     Network network = one_road(800, 20);
     network.roads.push_back(road_along(
         "over", 800, 20, 3.5,
         [](double s) {
           return straight({400, -400}, kPi / 2, s);
         },
-        [=](double s) { return above * std::exp(-std::pow((s - 400) / 80, 2)); }));
-    network.roads[1].bridges = {{.s_start_m = 385, .s_end_m = 415}};
+        [height = above](double s) { return height * std::exp(-std::pow((s - 400) / 80, 2)); }));
+    if (is_bridge) network.roads[1].bridges = {{.s_start_m = 385, .s_end_m = 415}};
     HeightFitOptions options;
     options.max_grade = 0.08;
     const auto report = fit_heights(network, ground([](double, double) { return 10.0; }), options);
@@ -221,11 +224,44 @@ TEST(FitHeights, WhatPassesOverARoadStillDoes) {
     EXPECT_EQ(report->passings_short, 0u);
     const double clear =
         pose_at(network.roads[1], 400, 0).position_m.z - pose_at(network.roads[0], 400, 0).position_m.z;
-    EXPECT_GE(clear, std::min(above, 5.5) - 0.02);
-    EXPECT_LE(clear, std::min(above, 5.5) + 0.5);
+    EXPECT_GE(clear, due - 0.02);
+    EXPECT_LE(clear, due + 0.5);
     for (const Road& road : network.roads) EXPECT_LE(extremes(road).grade, 0.08 * (1 + kLimitPart));
     EXPECT_NEAR(pose_at(network.roads[1], 10, 0).position_m.z, 10, 0.05);
   }
+}
+
+// A tunnel under level ground goes as deep as its vault and cover need, within the limits; where its road goes on in the next
+// one's tunnel there is no portal.
+TEST(FitHeights, TunnelsGoUnderTheGround) {
+  const Tunnel vault;
+  const double needed = vault.wall_height_m + vault.arch_rise_m + vault.lining_m + 0.5;
+  Network network = one_road(300, 15);
+  network.roads.push_back(road_along(
+      "2", 300, 15, 3.5,
+      [](double s) {
+        return straight({300, 0}, 0, s);
+      },
+      flat));
+  network.roads[0].successor = {RoadLink::To::kRoad, "2", false};
+  network.roads[1].predecessor = {RoadLink::To::kRoad, "1", true};
+  network.roads[0].sweeps = {{.s_start_m = 180, .s_end_m = 300, .shape = vault}};
+  network.roads[1].sweeps = {{.s_start_m = 0, .s_end_m = 120, .shape = vault}};
+  HeightFitOptions options;
+  options.max_grade = 0.1;
+  options.max_curvature_per_m = 1.0 / 200;
+  const auto report = fit_heights(network, ground([](double, double) { return 10.0; }), options);
+  ASSERT_TRUE(report.ok());
+  for (double s = 0; s <= 115; s += 5) {
+    EXPECT_LE(pose_at(network.roads[1], s, 0).position_m.z, 10 - needed) << s;
+    EXPECT_LE(pose_at(network.roads[0], 300 - s, 0).position_m.z, 10 - needed) << s;
+  }
+  for (const Road& road : network.roads) {
+    EXPECT_LE(extremes(road).grade, 0.1 * (1 + kLimitPart));
+    EXPECT_LE(extremes(road).bend, (1 + kLimitPart) / 200);
+    EXPECT_EQ(road.sweeps.size(), 1u);
+  }
+  EXPECT_NEAR(pose_at(network.roads[0], 10, 0).position_m.z, 10, 0.3);
 }
 
 // What contradicts itself is told, with the place: a loop of 100 m that passes over itself by 5.5 m needs more than 2 %.
@@ -281,6 +317,15 @@ TEST(FitHeights, MonacoLiesOnItsHills) {
   }
   const CheckReport checked = check(network);
   EXPECT_TRUE(checked.ok()) << checked.problems.front();
+  // Of 61 stretches of road in tunnels most lie under their hills.
+  TerrainOptions terrain;
+  terrain.margin_m = 100;
+  terrain.spacing_m = 8;
+  const auto built = Terrain::build(network, &*elevation, terrain);
+  ASSERT_TRUE(built.ok());
+  std::printf("%zu tunnel parts, %.0f m\n", built->report().tunnel_parts, built->report().tunnel_m);
+  EXPECT_GE(built->report().tunnel_parts, 50u);
+  EXPECT_GE(built->report().tunnel_m, 5200);
 }
 
 }  // namespace

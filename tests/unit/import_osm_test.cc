@@ -328,17 +328,37 @@ TEST(OsmImport, CrossingWithoutRoomForARampIsTold) {
   const ImportResult result = imported(osm);
   EXPECT_TRUE(mentions(result.diagnostics, "way 10", "above way 11"));
 
-  // A tunnel there has no vault, which would stand in the way of the other.
+  // A tunnel there has no vault under the other, which it would stand in the way of.
   const auto vaults = [](const test::Tags& tunnel, long end) {
     OsmText town;
     town.node(1, -30, 0).node(2, 8, 0).node(3, 0, -8).node(4, 0, 30).node(5, 0, -30).node(6, -400, 0);
     town.way(10, {6, 1, 2, 3}, {{"highway", "residential"}}).way(11, {4, end}, tunnel);
     const ImportResult made = imported(town);
-    return road_of(made, "11").sweeps.size();
+    EXPECT_EQ(mentions(made.diagnostics, "road 11", "no room for its vault"), end == 3);
+    return road_of(made, "11").sweeps;
   };
   const test::Tags tunnel = {{"highway", "residential"}, {"tunnel", "yes"}};
-  EXPECT_EQ(vaults(tunnel, 5), 1u);
-  EXPECT_EQ(vaults(tunnel, 3), 0u);
+  ASSERT_EQ(vaults(tunnel, 5).size(), 1u);
+  EXPECT_NEAR(vaults(tunnel, 5)[0].s_end_m, 60, 0.1);
+  // The other one's carriageway is 5.5 m wide, 30 m from the start.
+  for (const Sweep& vault : vaults(tunnel, 3)) EXPECT_TRUE(vault.s_end_m < 30 - 2.75 || vault.s_start_m > 30 + 2.75);
+  ASSERT_GE(vaults(tunnel, 3).size(), 1u);
+  EXPECT_GT(vaults(tunnel, 3)[0].s_end_m, 15);
+}
+
+// A bend that is too tight for the vault takes it away there, not from the whole tunnel.
+TEST(OsmImport, VaultsHaveGapsInTightBends) {
+  OsmText osm;
+  osm.node(1, -100, 0).node(2, 0, 0).node(3, 0, 5).node(4, 100, 5);
+  const ImportResult result = imported(osm.way(11, {1, 2, 3, 4}, {{"highway", "residential"}, {"tunnel", "yes"}}));
+  const Road& road = road_of(result, "11");
+  double vaults_m = 0;
+  for (const Sweep& vault : road.sweeps) {
+    EXPECT_TRUE(problems(road, vault).empty());
+    vaults_m += vault.s_end_m - vault.s_start_m;
+  }
+  EXPECT_GE(road.sweeps.size(), 2u);
+  EXPECT_GT(vaults_m, 0.85 * road.length_m());
 }
 
 TEST(OsmImport, WaysThatOverlapAreTold) {

@@ -199,17 +199,19 @@ TEST(Terrain, UnderABridgeTheLowerRoadWins) {
   EXPECT_GE(c.max_m, 7.02);
   EXPECT_LE(c.max_m, 8.25);
   EXPECT_LT(terrain->height_m({0, 0}), 500);
-  // It is the only place, and told.
+  // It is the only place, and told; the upper road is taken for a bridge there, so that nothing else lies deep.
   const TerrainReport& report = terrain->report();
-  EXPECT_GT(report.triangles_too_deep, 0u);
-  EXPECT_EQ(report.triangles_too_deep_by_overlap, report.triangles_too_deep);
-  EXPECT_LT(report.too_deep, 0.01);
+  EXPECT_EQ(report.triangles_too_deep, 0u);
+  EXPECT_LE(report.clearance_max_m, kMost_m);
+  EXPECT_EQ(report.bridge_parts, 0u);
+  EXPECT_EQ(report.assumed_bridge_parts, 1u);
+  // The lower road, a shoulder and a slope of 1:1 that rises by 7 m to either side.
+  EXPECT_NEAR(report.assumed_bridge_m, 8 + 2 * (3 + 7), 3);
   ASSERT_EQ(report.overlap_places, 1u);
   EXPECT_LT(glm::length(report.overlaps[0].at_m), 12);
   EXPECT_NEAR(report.overlaps[0].apart_m, 7, 1.1);
-  // Of 8 m x 8 m, in whole plates.
-  EXPECT_GT(report.over_others_m2, 40);
-  EXPECT_LT(report.over_others_m2, 200);
+  EXPECT_GT(report.over_others_m2, 8 * 8);
+  EXPECT_LT(report.over_others_m2, 8 * report.assumed_bridge_m + 64);
 }
 
 // Two carriageways that do not overlap, however near: a wall stands between them, and neither lies deep.

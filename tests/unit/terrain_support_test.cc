@@ -468,5 +468,75 @@ TEST(Terrain, ABridgeJustAboveTheGroundIsNotFilledTo) {
   EXPECT_EQ(terrain.report().too_deep, 0);
 }
 
+// The vault is 7.05 m high and wants 0.5 m of cover: what little lacks is filled up, more is cut open.
+TEST(Terrain, AShallowTunnelIsCoveredByFill) {
+  const double vault = 500 + 2.6 + 4 + 0.45;
+  for (const double hill : {6.0, 5.1, 4.9}) {
+    const Elevation plateau =
+        elevation_of([&](double along, double) { return 500 + hill / (1 + std::pow(along / 50, 20)); });
+    const Terrain terrain = build(tunnel_network(70), &plateau);
+    EXPECT_EQ(terrain.report().tunnel_parts, hill > 5 ? 1u : 0u) << hill;
+    EXPECT_GE(terrain.report().clearance_min_m, kLeast_m);
+    EXPECT_LE(terrain.report().clearance_max_m, kMost_m);
+    if (hill < 5) continue;
+    for (double along = -25; along <= 25; along += 1) EXPECT_GT(terrain.height_m(place(along, 0)), vault) << along;
+    EXPECT_NEAR(terrain.height_m(place(0, 25)), 500 + hill, 0.15);
+    EXPECT_GT(expect_cut_in_tunnel(terrain, -35, 35), 50u);
+  }
+}
+
+// But not where a road on the ground beside it is in the way.
+TEST(Terrain, NoFillIsPutOnARoad) {
+  const Elevation plateau = elevation_of([](double along, double) { return 500 + 6 / (1 + std::pow(along / 50, 20)); });
+  Network network = tunnel_network(70);
+  network.roads.push_back(road_along(
+      "across", 100, 20, 4, [](double s) { return straight(place(0, s - 50), kHeading + kPi / 2, s); },
+      [](double) { return 506.0; }));
+  const Terrain terrain = build(network, &plateau);
+  EXPECT_GE(terrain.report().clearance_min_m, kLeast_m);
+  EXPECT_LE(terrain.report().clearance_max_m, kMost_m);
+  EXPECT_LT(terrain.height_m(place(0, 20)), 506);
+}
+
+// Three tunnels meet in a junction under a hill, which is kept over it; the area's floor is told below it.
+TEST(Terrain, AJunctionInTunnelsIsUnderTheHill) {
+  const auto network_of = [](double tunnels_m) {
+    Network network;
+    std::vector<JunctionArm> arms;
+    for (int i = 0; i < 3; ++i) {
+      const double heading = i * 2 * kPi / 3;
+      const glm::dvec2 outward(std::cos(heading), std::sin(heading));
+      network.roads.push_back(road_along(
+          std::to_string(i), 150, 20, 3.5, [=](double s) { return straight(12.0 * outward, heading, s); },
+          [](double) { return 500.0; }));
+      if (i < 2 || tunnels_m > 0) network.roads.back().sweeps = {{.s_end_m = 60, .shape = Tunnel{.half_width_m = 5}}};
+      network.roads.back().joined_start = true;
+      arms.push_back(
+          {.road = std::to_string(i), .position_m = 12.0 * outward, .heading_rad = heading + kPi, .elevation_m = 500});
+    }
+    auto junction = make_junction("j", arms);
+    EXPECT_TRUE(junction.ok());
+    network.junctions.push_back(*junction);
+    return network;
+  };
+  const Elevation hill =
+      elevation_of([](double x, double y) { return 500 + 20 / (1 + std::pow(std::hypot(x, y) / 75, 8)); });
+  const Terrain kept = build(network_of(60), &hill);
+  EXPECT_EQ(kept.report().tunnel_parts, 3u);
+  EXPECT_EQ(kept.report().tunnel_areas, 1u);
+  for (int i = 0; i < 36; ++i) {
+    const glm::dvec2 at = (i % 6) * 2.0 * glm::dvec2(std::cos(i * 0.5), std::sin(i * 0.5));
+    EXPECT_GT(kept.height_m(at), 515) << i;
+  }
+  for (const double up : {-0.5, 0.2, 3.0}) EXPECT_NEAR(kept.height_m(glm::dvec3(1, 2, 500 + up)), 500, 1e-6);
+  EXPECT_EQ(kept.height_m(glm::dvec3(1, 2, 510)), kept.height_m(glm::dvec2(1, 2)));
+  EXPECT_GT(kept.normal(glm::dvec3(1, 2, 500)).z, 1 - 1e-6);
+  EXPECT_LE(kept.report().clearance_max_m, kMost_m);
+  // One arm in the open: the area is cut open.
+  const Terrain open = build(network_of(0), &hill);
+  EXPECT_EQ(open.report().tunnel_areas, 0u);
+  EXPECT_LT(open.height_m({1, 2}), 500);
+}
+
 }  // namespace
 }  // namespace roadgen

@@ -24,7 +24,6 @@ void main() {
   ObjectPoint p;
   p.position = position;
   p.normal = normalize(normal);
-  p.material = 0u;
   p.tint = tint;
-  out_color = vec4(frame_tone(object_light(p, ObjectSite(p.normal))), 1.0);
+  out_color = vec4(frame_tone(object_light(p, object_materials[0], ObjectSite(p.normal))), 1.0);
 }

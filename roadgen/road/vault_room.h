@@ -1,0 +1,24 @@
+// Tunnels under other roads: where there is room for their vaults.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "roadgen/road/network.h"
+
+namespace roadgen {
+
+// A part of a road whose vault was taken away.
+struct VaultGap {
+  std::uint32_t road = 0;  // of the network's
+  double s_start_m = 0, s_end_m = 0;
+};
+
+// Takes vaults of tunnels away where a road or an area passes through them: where its surface lies above the tunnel's road by
+// kBesideVault_m or more and below the vault's outside, seen about every 2 m. What is left of a tunnel stays, but for pieces
+// shorter than kLeastVault_m. Cost: O(metres of tunnels + segments).
+std::vector<VaultGap> trim_vaults(Network& network);
+inline constexpr double kBesideVault_m = 1;  // what lies lower is a road that parts from the tunnel's
+inline constexpr double kLeastVault_m = 2;
+
+}  // namespace roadgen
