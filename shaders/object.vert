@@ -110,12 +110,6 @@ void main() {
   in_plane = object_around(corner);
 #endif
 #else
-#ifdef PROXY_HULL
-  for (int i = 0; i < 3; ++i) {
-    uvec2 hull = unpackDouble2x32(object.inverse[i].w);
-    corner[i] = mix(uintBitsToFloat(hull.x), uintBitsToFloat(hull.y), 0.5 + 0.5 * corner[i]);
-  }
-#endif
   vec3 q = NAME_PROXY(corner, shape);
 #ifdef IN_PLANE
   in_plane = corner.xy;

@@ -18,7 +18,7 @@ layout(std140, binding = 1) uniform ObjectView {
 // As roadgen/render/object_batch.cc writes it.
 struct ObjectInstance {
   dvec4 center;      // world, m; w: radius of a ball around it, m
-  dvec4 inverse[3];  // rows of the shape's frame from the world; w: two floats, from where to where the hull goes
+  dvec4 inverse[3];  // rows of the shape's frame from the world; w: 0
   vec4 axes[3];      // columns of the world from the shape's frame; w: of 0 the instance's number, of 1 the material's, as bits
   vec4 numbers[3];   // p0 to p9, flags
 };

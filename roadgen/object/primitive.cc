@@ -29,7 +29,7 @@ using Numbers = ObjectLib::ObjectShape;
 // One row a primitive.
 const PrimitiveRow kTable[] = {
     PRIMITIVE(kSphere, sphere, kOutline, false, true),
-    PRIMITIVE(kQuadric, quadric, kBox, false, true),
+    PRIMITIVE(kQuadric, quadric, kHull, false, true),
     PRIMITIVE(kCone, cone, kOutline, false, true),
     PRIMITIVE(kBox, box, kBox, false, false),
     PRIMITIVE(kTetra, tetra, kTetra, false, false),
@@ -147,53 +147,6 @@ std::optional<Primitive> ellipsoid_of(const std::array<double, 10>& q, const Pri
               box.axes * axes[2]);
 }
 
-// Whether anything of a quadric may lie within a box around c, by the bounds of its value there: a quadratic is its value,
-// slope and form at the middle, exactly.
-bool may_hold(const Numbers& s, glm::dvec3 c, glm::dvec3 half) {
-  const bool solid = (s.flags & OBJECT_SOLID) != 0;
-  if ((s.flags & OBJECT_PLANES) != 0) {
-    const double one = ObjectLib::quadric_plane(c, 7, s), two = ObjectLib::quadric_plane(c, 8, s);
-    const double reach_one = glm::dot(glm::abs(glm::dvec3(s.p0, s.p1, s.p2)), half);
-    const double reach_two = glm::dot(glm::abs(glm::dvec3(s.p4, s.p5, s.p6)), half);
-    const bool on_one = std::abs(one) <= reach_one, on_two = std::abs(two) <= reach_two;
-    return on_one || on_two || (solid && (one < 0) != (two < 0));
-  }
-  const double value = ObjectLib::quadric_value(c, s);
-  const double mixed =
-      std::abs(s.p3) * half.x * half.y + std::abs(s.p4) * half.x * half.z + std::abs(s.p5) * half.y * half.z;
-  const double reach = glm::dot(glm::abs(ObjectLib::quadric_slope(c, s)), half) + mixed;
-  double low = value - reach, high = value + reach;
-  const double squares[3] = {s.p0 * half.x * half.x, s.p1 * half.y * half.y, s.p2 * half.z * half.z};
-  for (const double x : squares) low += std::min(x, 0.0), high += std::max(x, 0.0);
-  return low <= 0 && (solid || high >= 0);
-}
-
-// Cuts slabs of the hull off that hold nothing, from all six sides.
-void tighten(Primitive& p) {
-  constexpr int kSlabs = 16, kCells = 6;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const glm::dvec3 low = p.hull_low, high = p.hull_high;
-    glm::dvec3 half = 0.5 * (high - low) / static_cast<double>(kCells);
-    half[axis] = 0.5 * (high[axis] - low[axis]) / kSlabs;
-    const auto holds = [&](int slab) {
-      for (int cell = 0; cell < kCells * kCells; ++cell) {
-        glm::dvec3 c;
-        c[axis] = low[axis] + (2 * slab + 1) * half[axis];
-        c[u] = low[u] + (2 * (cell % kCells) + 1) * half[u];
-        c[v] = low[v] + (2 * (cell / kCells) + 1) * half[v];
-        if (may_hold(p.shape, c, half * 1.000001)) return true;
-      }
-      return false;
-    };
-    int from = 0, to = kSlabs;
-    while (from < to - 1 && !holds(from)) ++from;
-    while (to > from + 1 && !holds(to - 1)) --to;
-    p.hull_low[axis] = low[axis] + 2 * from * half[axis];
-    p.hull_high[axis] = low[axis] + 2 * to * half[axis];
-  }
-}
-
 Primitive of(const Quadric& s) {
   const glm::dvec3 m = 0.5 * (s.box_low + s.box_high), h = 0.5 * (s.box_high - s.box_low);
   Primitive p = made(PrimitiveKind::kQuadric, m, {h.x, 0, 0}, {0, h.y, 0}, {0, 0, h.z});
@@ -209,7 +162,6 @@ Primitive of(const Quadric& s) {
     q = planes_of(q, type);
   }
   set_numbers(p.shape, q.data(), 10);
-  tighten(p);
   return p;
 }
 
@@ -247,8 +199,6 @@ Primitive of(const Torus& s) {
 // The same shape in a frame that is mirrored across x.
 void mirror(Primitive& p) {
   p.axes[0] = -p.axes[0];
-  std::swap(p.hull_low.x, p.hull_high.x);
-  p.hull_low.x = -p.hull_low.x, p.hull_high.x = -p.hull_high.x;
   Numbers& s = p.shape;
   if (p.kind == PrimitiveKind::kQuadric && (s.flags & OBJECT_PLANES) != 0) {
     s.p0 = -s.p0, s.p4 = -s.p4;

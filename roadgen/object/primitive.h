@@ -25,6 +25,7 @@ enum class PrimitiveKind { kSphere, kQuadric, kCone, kBox, kTetra, kTorus, kDisc
 enum class Proxy {
   kOutline,   // a polygon around what the eye sees, NAME_outline; of the unit sphere algorithm 3 of the paper
   kRing,      // NAME_outline's polygon but for the one within its hole
+  kHull,      // a convex polyhedron around the quadric, each its own: quadric_hull()
   kBox,       // [-1, 1]^3 through NAME_proxy
   kTetra,     // the corners of tetra
   kPolygon,   // a polygon around the unit circle in z = 0
@@ -55,8 +56,6 @@ struct Primitive {
   glm::dvec3 center_m{0, 0, 0};
   glm::dmat3 axes{1.0};  // of positive determinant
   ObjectLib::ObjectShape shape{};
-  // Its hull is [-1, 1]^3 of these, through NAME_proxy: of a quadric the part of its box that it reaches.
-  glm::dvec3 hull_low{-1, -1, -1}, hull_high{1, 1, 1};
 };
 // Requires: an object that check() passes.
 Primitive primitive(const Object& object);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec4.hpp>
 
+#include "roadgen/object/quadric_hull.h"
 #include "roadgen/render/object_materials.h"
 #include "roadgen/render/object_proxy.h"
 #include "roadgen/render/object_textures.h"
@@ -34,11 +36,6 @@ struct MaterialInstance {
   glm::vec4 base, surface, specular, more;
 };
 
-// Two floats as unpackDouble2x32 takes them apart.
-double pair(double low, double high) {
-  return std::bit_cast<double>(std::array{static_cast<float>(low), static_cast<float>(high)});
-}
-
 float bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 
 ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t number, std::uint32_t material) {
@@ -47,8 +44,7 @@ ObjectInstance instance(const Primitive& p, double radius_m, std::uint32_t numbe
   ObjectInstance i;
   i.center = glm::dvec4(p.center_m, radius_m);
   for (int row = 0; row < 3; ++row) {
-    i.inverse[row] =
-        glm::dvec4(inverse[0][row], inverse[1][row], inverse[2][row], pair(p.hull_low[row], p.hull_high[row]));
+    i.inverse[row] = glm::dvec4(inverse[0][row], inverse[1][row], inverse[2][row], 0);
     i.axes[row] = glm::vec4(glm::vec3(p.axes[row]), 0);
   }
   i.axes[0].w = bits(number);
@@ -91,6 +87,28 @@ int proxy_sides(PrimitiveKind kind, const ObjectOptions& options) {
   const int sides = options.polygon == 0 ? 8 : options.polygon;
   return kind == PrimitiveKind::kCone ? sides + 2 : kind == PrimitiveKind::kTorus ? 2 * sides : sides;
 }
+
+// Of hulls of their own: a corner, and whose it is.
+struct HullCorner {
+  glm::vec3 corner;
+  std::uint32_t index;
+};
+struct HullMeshes {
+  std::vector<HullCorner> corners;
+  std::vector<std::uint32_t> elements;
+  std::vector<std::size_t> starts = {0};  // of each one's elements, and their count
+
+  void add(const Primitive& p) {
+    const ConvexHull hull = quadric_hull(p.shape);
+    const auto first = static_cast<std::uint32_t>(corners.size()),
+               index = static_cast<std::uint32_t>(starts.size() - 1);
+    for (const glm::dvec3& corner : hull.corners) corners.push_back({glm::vec3(corner), index});
+    for (const auto& triangle : hull.triangles) {
+      for (const std::uint16_t i : triangle) elements.push_back(first + i);
+    }
+    starts.push_back(elements.size());
+  }
+};
 
 template <class T>
 gl::Buffer buffer_of(const std::vector<T>& data, GLbitfield flags = 0) {
@@ -159,6 +177,22 @@ Status ObjectBatch::upload(const ObjectScene& scene, const ObjectOptions& option
   return Done{};
 }
 
+// Whose corner it is from `indices`, one an instance or one a corner; corners are `stride` bytes apart.
+void ObjectBatch::set_arrays(const Kind& kind, const gl::Buffer& indices, GLintptr offset, GLuint divisor,
+                             GLsizei stride) {
+  const GLuint array = kind.vertex_array.id();
+  glVertexArrayElementBuffer(array, kind.elements.id());
+  glVertexArrayVertexBuffer(array, 0, indices.id(), offset, divisor == 1 ? sizeof(std::uint32_t) : stride);
+  glVertexArrayBindingDivisor(array, 0, divisor);
+  glEnableVertexArrayAttrib(array, 0);
+  glVertexArrayAttribIFormat(array, 0, 1, GL_UNSIGNED_INT, 0);
+  glVertexArrayAttribBinding(array, 0, 0);
+  glVertexArrayVertexBuffer(array, 1, kind.corners.id(), 0, stride);
+  glEnableVertexArrayAttrib(array, 1);
+  glVertexArrayAttribFormat(array, 1, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(array, 1, 1);
+}
+
 void ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members) {
   const PrimitiveRow& row = primitive_row(kind);
   std::vector<glm::dvec3> centers;
@@ -166,38 +200,37 @@ void ObjectBatch::add_kind(PrimitiveKind kind, const ObjectScene& scene, std::sp
   std::vector<ObjectInstance> instances;
   std::vector<glm::dvec3> sorted;
   std::vector<double> radii;
+  HullMeshes hulls;
+  Kind made;
+  made.kind = kind;
   for (const std::uint32_t place : space_order(centers)) {
     const std::uint32_t i = members[place];
     const Primitive p = primitive(scene.objects[i]);
     const double ball = ball_radius(p);
+    if (row.proxy == Proxy::kHull) hulls.add(p);
     instances.push_back(instance(p, ball, i, scene.objects[i].material));
     sorted.push_back(p.center_m);
     radii.push_back(ball);
   }
-  Kind made;
-  made.kind = kind;
   for (const std::uint32_t i : members) made.materials |= material_parts(scene, scene.objects[i].material);
   made.count = instances.size();
   made.groups = groups_of(sorted, radii);
   made.instances = buffer_of(instances);
-  made.order = gl::Buffer::with_data(static_cast<GLsizeiptr>(instances.size() * sizeof(std::uint32_t)), nullptr,
-                                     GL_DYNAMIC_STORAGE_BIT);
-  const ProxyMesh mesh = proxy_mesh(row.proxy, proxy_sides(kind, options_));
-  made.corners = buffer_of(mesh.corners);
-  made.elements = buffer_of(mesh.elements);
-  made.element_count = static_cast<GLsizei>(mesh.elements.size());
   made.vertex_array = gl::VertexArray::create();
-  const GLuint array = made.vertex_array.id();
-  glVertexArrayElementBuffer(array, made.elements.id());
-  glVertexArrayVertexBuffer(array, 0, made.order.id(), 0, sizeof(std::uint32_t));
-  glVertexArrayBindingDivisor(array, 0, 1);
-  glEnableVertexArrayAttrib(array, 0);
-  glVertexArrayAttribIFormat(array, 0, 1, GL_UNSIGNED_INT, 0);
-  glVertexArrayAttribBinding(array, 0, 0);
-  glVertexArrayVertexBuffer(array, 1, made.corners.id(), 0, sizeof(glm::vec3));
-  glEnableVertexArrayAttrib(array, 1);
-  glVertexArrayAttribFormat(array, 1, 3, GL_FLOAT, GL_FALSE, 0);
-  glVertexArrayAttribBinding(array, 1, 1);
+  if (row.proxy == Proxy::kHull) {
+    made.hull_starts = std::move(hulls.starts);
+    made.corners = buffer_of(hulls.corners);
+    made.elements = buffer_of(hulls.elements);
+    set_arrays(made, made.corners, offsetof(HullCorner, index), 0, sizeof(HullCorner));
+  } else {
+    const ProxyMesh mesh = proxy_mesh(row.proxy, proxy_sides(kind, options_));
+    made.corners = buffer_of(mesh.corners);
+    made.elements = buffer_of(mesh.elements);
+    made.element_count = static_cast<GLsizei>(mesh.elements.size());
+    made.order = gl::Buffer::with_data(static_cast<GLsizeiptr>(instances.size() * sizeof(std::uint32_t)), nullptr,
+                                       GL_DYNAMIC_STORAGE_BIT);
+    set_arrays(made, made.order, 0, 1, sizeof(glm::vec3));
+  }
   statistics_.objects += made.count;
   kinds_.push_back(std::move(made));
 }
@@ -240,13 +273,9 @@ Result<const Program*> ObjectBatch::program(const Kind& kind, const ObjectView& 
 }
 
 void ObjectBatch::draw_kind(const Kind& kind, const ObjectView& view, const Program& program) {
-  std::vector<std::uint32_t> order;
-  for (const ObjectGroup* group : visible_groups(kind.groups, view)) {
-    for (std::uint32_t i = 0; i < group->count; ++i) order.push_back(group->first + i);
-  }
-  if (order.empty()) return;
-  statistics_.drawn_objects += order.size();
-  glNamedBufferSubData(kind.order.id(), 0, static_cast<GLsizeiptr>(order.size() * sizeof order[0]), order.data());
+  const std::vector<const ObjectGroup*> groups = visible_groups(kind.groups, view);
+  if (groups.empty()) return;
+  for (const ObjectGroup* group : groups) statistics_.drawn_objects += group->count;
   program.use();
   glUniform1ui(1, view.first_instance);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, kind.instances.id());
@@ -257,8 +286,25 @@ void ObjectBatch::draw_kind(const Kind& kind, const ObjectView& view, const Prog
     glEnable(GL_CULL_FACE);
     glCullFace(GL_FRONT);
   }
-  glDrawElementsInstanced(GL_TRIANGLES, kind.element_count, GL_UNSIGNED_SHORT, nullptr,
-                          static_cast<GLsizei>(order.size()));
+  if (row.proxy == Proxy::kHull) {
+    std::vector<GLsizei> counts;
+    std::vector<const void*> offsets;
+    for (const ObjectGroup* group : groups) {
+      const std::size_t from = kind.hull_starts[group->first], to = kind.hull_starts[group->first + group->count];
+      counts.push_back(static_cast<GLsizei>(to - from));
+      offsets.push_back(reinterpret_cast<const void*>(from * sizeof(std::uint32_t)));
+    }
+    glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, offsets.data(),
+                        static_cast<GLsizei>(counts.size()));
+  } else {
+    std::vector<std::uint32_t> order;
+    for (const ObjectGroup* group : groups) {
+      for (std::uint32_t i = 0; i < group->count; ++i) order.push_back(group->first + i);
+    }
+    glNamedBufferSubData(kind.order.id(), 0, static_cast<GLsizeiptr>(order.size() * sizeof order[0]), order.data());
+    glDrawElementsInstanced(GL_TRIANGLES, kind.element_count, GL_UNSIGNED_SHORT, nullptr,
+                            static_cast<GLsizei>(order.size()));
+  }
   if (hull) glDisable(GL_CULL_FACE);
 }
 

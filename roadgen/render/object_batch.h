@@ -40,8 +40,10 @@ class ObjectBatch {
     gl::Buffer instances, order, corners, elements;
     gl::VertexArray vertex_array;
     GLsizei element_count = 0;
+    std::vector<std::size_t> hull_starts;  // of kHull: each one's first element, and their count
     std::size_t count = 0;
   };
+  static void set_arrays(const Kind& kind, const gl::Buffer& indices, GLintptr offset, GLuint divisor, GLsizei stride);
   void add_kind(PrimitiveKind kind, const ObjectScene& scene, std::span<const std::uint32_t> members);
   Result<const Program*> program(const Kind& kind, const ObjectView& view);
   void draw_kind(const Kind& kind, const ObjectView& view, const Program& program);

@@ -65,6 +65,7 @@ ProxyMesh box() {
 ProxyMesh proxy_mesh(Proxy proxy, int sides) {
   switch (proxy) {
     case Proxy::kBox: return box();
+    case Proxy::kHull: return {};
     case Proxy::kOutline: return outline(sides);
     case Proxy::kRing: return ring(sides);
     case Proxy::kTetra: {

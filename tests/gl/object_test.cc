@@ -16,22 +16,11 @@
 #include "roadgen/object/rays.h"
 #include "roadgen/render/renderer.h"
 #include "tests/gl/gl_fixture.h"
-#include "tests/object_shapes.h"
+#include "tests/gl/object_pixels.h"
 
 namespace roadgen::test {
 namespace {
 
-// What the rays say of a pixel.
-std::optional<ObjectHit> cast(const Primitive& p, const Camera& camera, int width, int height, double x, double y) {
-  const glm::dvec3 ray = pixel_ray(camera, width, height, x, y);
-  for (const ObjectHit& hit : all_hits(p, camera.position_m, ray)) {
-    if (hit.t >= camera.near_m) return hit;
-  }
-  return std::nullopt;
-}
-
-// Pixels this near to a silhouette or an edge may fall on either side (of 1 pixel).
-constexpr double kEdge_px = 0.01;
 // Depth is to agree within this part of the distance, the normal within this angle, each and what it changes over kPixel_px
 // of the picture: where the surface is steep, or the object itself a pixel wide, that is more, and single precision cannot
 // tell rays that are nearer to one another.
@@ -50,21 +39,6 @@ struct Tally {
     if (first.empty()) first = what;
   }
 };
-
-// Whether within kEdge_px of the pixel's centre the ray meets the same surface.
-bool same_around(const Primitive& p, const Camera& camera, int width, int height, int x, int y,
-                 const std::optional<ObjectHit>& hit) {
-  for (int i = 0; i < 8; ++i) {
-    const double turn = i * std::numbers::pi / 4;
-    const auto other = cast(p, camera, width, height, x + kEdge_px * std::cos(turn), y + kEdge_px * std::sin(turn));
-    if (other.has_value() != hit.has_value()) return false;
-    if (!hit) continue;
-    if (other->face != hit->face) return false;
-    // Another part of the surface, as at an inner silhouette.
-    if (std::abs(other->t - hit->t) > 0.05 * hit->t || glm::dot(other->normal, hit->normal) < 0.9) return false;
-  }
-  return true;
-}
 
 // One pixel of the frame against the rays.
 void compare(const Frame& frame, std::uint32_t instance, const Primitive& p, const Camera& camera, int x, int y,
@@ -122,29 +96,6 @@ void compare(const Frame& frame, std::uint32_t instance, const Primitive& p, con
   }
   tally.depth = std::max(tally.depth, depth_error);
   tally.normal = std::max(tally.normal, angle);
-}
-
-// The last kind is a sphere of a set.
-constexpr int kOfSet = kShapeKinds;
-constexpr int kAllKinds = kShapeKinds + 1;
-
-// Adds a shape of the kind; returns what it is drawn as.
-Primitive add_shape(ObjectScene& scene, int kind, const glm::dmat4& transform, ShapeRandom& random) {
-  if (kind != kOfSet) {
-    scene.objects.push_back({.name = "", .shape = random_shape(kind, random), .transform = transform});
-    return primitive(scene.objects.back());
-  }
-  if (scene.sphere_sets.empty()) scene.sphere_sets.emplace_back().origin_m = glm::dvec3(transform[3]);
-  SphereSet& set = scene.sphere_sets[0];
-  const auto radius = static_cast<float>(glm::length(transform[0]));
-  set.items.push_back({glm::vec3(glm::dvec3(transform[3]) - set.origin_m), radius});
-  Object same;
-  same.shape = Sphere{set.origin_m + glm::dvec3(set.items.back().center), radius};
-  return primitive(same);
-}
-
-const char* kind_name(int kind, ShapeRandom& random) {
-  return kind == kOfSet ? "sphere of a set" : shape_name(random_shape(kind, random));
 }
 
 // A grid of objects, one a cell, seen so that each about fills its cell: at a field of view of 0.003 degrees they are
