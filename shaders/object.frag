@@ -114,30 +114,40 @@ void main() {
   int face = 0;
   float depth = forward.w / max(gl_FragCoord.z, 1e-30);
 #else
+  // The pixel's centre, then its samples, in one place: compilers take far longer over two.
   float least = forward.w - place.z;
-  ObjectRay ray = ray_at(pixel, shape);
-  ObjectHits hits = NAME_HITS(ray.o, ray.d, ray.at_o, shape);
-  int first = object_first(hits, least);
-#if defined(IN_PLANE) && defined(PROXY_ROUND)
-  if (dot(in_plane, in_plane) > 1.0) first = -1;
-#endif
+  ObjectRay ray;
+  ObjectHits hits;
+  int first = -1;
 #if SAMPLES > 1
   int mask = 0;
-  for (int i = 0; i < sample_count; ++i) {
-    if ((gl_SampleMaskIn[0] & (1 << i)) == 0) continue;
-    vec2 at = gl_FragCoord.xy + sample_places[i];
+  for (int i = -1; i < sample_count; ++i) {
+    if (i >= 0 && (gl_SampleMaskIn[0] & (1 << i)) == 0) continue;
+    bool centre = i < 0;
+    vec2 at = centre ? pixel : gl_FragCoord.xy + sample_places[max(i, 0)];
+#else
+  {
+    const bool centre = true;
+    vec2 at = pixel;
+#endif
     ObjectRay other = ray_at(at, shape);
     ObjectHits met = NAME_HITS(other.o, other.d, other.at_o, shape);
     int number = object_first(met, least);
+#if defined(IN_PLANE) && defined(PROXY_ROUND)
+    if (centre && dot(in_plane, in_plane) > 1.0) number = -1;
+#endif
+#if SAMPLES > 1
     if (number < 0) continue;
-    mask |= 1 << i;
+    if (!centre) mask |= 1 << i;
+    // Where the centre is not on the object it is shaded where the first sample is.
     if (first >= 0) continue;
-    // The centre is not on the object: shade where the first sample is.
+#endif
     pixel = at;
     ray = other;
     hits = met;
     first = number;
   }
+#if SAMPLES > 1
   gl_SampleMask[0] = mask;
 #endif
   if (first < 0) discard;
