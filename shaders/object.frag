@@ -150,19 +150,20 @@ struct ObjectPixel {
   int others;   // of other; < SAMPLES
 };
 
+// All by one call: compilers take far longer over two.
 ObjectPixel pixel_at(vec2 center) {
   ObjectPixel pixel;
   pixel.mask = 0;
-  pixel.met = met_at(center);
+  pixel.met = ObjectMet(false, 0.0, ObjectSite(vec3(0.0), 0), center);
   pixel.other = pixel.met;
   pixel.samples = 0;
   pixel.others = 0;
-  vec3 normal = met_normal(pixel.met);
-  for (int i = 0; i < sample_count; ++i) {
-    if ((gl_SampleMaskIn[0] & (1 << i)) == 0) continue;
-    ObjectMet met = met_at(center + sample_places[i]);
+  vec3 normal = vec3(0.0);
+  for (int i = -1; i < sample_count; ++i) {
+    bool at_center = i < 0;
+    if (!at_center && (gl_SampleMaskIn[0] & (1 << i)) == 0) continue;
+    ObjectMet met = met_at(at_center ? center : center + sample_places[max(i, 0)]);
     if (!met.any) continue;
-    pixel.mask |= 1 << i;
 #ifdef ONE_SURFACE
     if (!pixel.met.any) pixel.met = met;
     const bool same = true;
@@ -174,6 +175,8 @@ ObjectPixel pixel_at(vec2 center) {
     }
     bool same = met.site.face == pixel.met.site.face && dot(there, normal) > kSameSurface;
 #endif
+    if (at_center) continue;
+    pixel.mask |= 1 << i;
     if (same) {
       ++pixel.samples;
     } else {

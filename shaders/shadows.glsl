@@ -25,11 +25,14 @@ layout(std140, binding = 3) uniform SunGrid {
 };
 // Where each cell's list begins, in order of rows, and where the last one ends; then the lists: numbers of objects, or
 // kSphere and those of spheres.
-layout(std430, binding = 7) readonly buffer SunCells { uint sun_cells[]; };
+layout(binding = 11) uniform usamplerBuffer sun_cells;
 // Seven rows each: centre, radius of a ball around it; rows of the shape's frame, w: whether it is a torus, opacity; p0 to
 // p9, flags.
-layout(std430, binding = 8) readonly buffer SunObjects { vec4 sun_objects[]; };
-layout(std430, binding = 9) readonly buffer SunSpheres { vec4 sun_spheres[]; };  // centre, radius
+layout(binding = 12) uniform samplerBuffer sun_objects;
+layout(binding = 13) uniform samplerBuffer sun_spheres;  // centre, radius
+uint sun_cell(uint i) { return texelFetch(sun_cells, int(i)).x; }
+vec4 sun_object(uint row) { return texelFetch(sun_objects, int(row)); }
+vec4 sun_sphere(uint i) { return texelFetch(sun_spheres, int(i)); }
 
 const uint kSunSphere = 0x80000000u;
 const float kSunDisc = 0.00465;  // tangent of its radius
@@ -38,11 +41,12 @@ const float kSunPixel = 0.564;   // radius of the disc that is as large as a pix
 // The rays of a pixel that an object or a sphere hides, bits. o: from its centre; least: nothing nearer hides.
 #if SUN_KINDS & SUN_SPHERES
 uint sun_behind_sphere(vec3 o, vec3 step_x, vec3 step_y, float radius, float least) {
+  vec3 toward = sun.xyz, toward_x = sun_across.xyz, toward_y = sun_along.xyz;
   uint met = 0u;
   for (int ray = 0; ray < kSunRays; ++ray) {
     vec4 r = sun_rays[ray];
     vec3 p = o + step_x * r.x + step_y * r.y;
-    vec3 d = sun.xyz + sun_across.xyz * r.z + sun_along.xyz * r.w;
+    vec3 d = toward + toward_x * r.z + toward_y * r.w;
     // Squares from the place nearest to the centre, for the digits of single precision.
     float per_d2 = 1.0 / dot(d, d);
     float k = -dot(p, d) * per_d2;
@@ -56,10 +60,10 @@ uint sun_behind_sphere(vec3 o, vec3 step_x, vec3 step_y, float radius, float lea
 
 #if SUN_KINDS & (SUN_QUADRICS | SUN_TORI)
 uint sun_behind_object(uint row, vec3 o, vec3 step_x, vec3 step_y, float least, uint hidden) {
-  mat3 into = transpose(mat3(sun_objects[row + 1u].xyz, sun_objects[row + 2u].xyz, sun_objects[row + 3u].xyz));
-  vec4 a = sun_objects[row + 4u], b = sun_objects[row + 5u], c = sun_objects[row + 6u];
+  mat3 into = transpose(mat3(sun_object(row + 1u).xyz, sun_object(row + 2u).xyz, sun_object(row + 3u).xyz));
+  vec4 a = sun_object(row + 4u), b = sun_object(row + 5u), c = sun_object(row + 6u);
   ObjectShape s = ObjectShape(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, int(c.z));
-  bool torus = sun_objects[row + 1u].w != 0.0;
+  bool torus = sun_object(row + 1u).w != 0.0;
   vec3 from = into * o, from_x = into * step_x, from_y = into * step_y;
   vec3 toward = into * sun.xyz, toward_x = into * sun_across.xyz, toward_y = into * sun_along.xyz;
   uint met = 0u;
@@ -94,7 +98,7 @@ float sun_seen(vec3 position, vec3 step_x, vec3 step_y) {
   // Also where it is not a number.
   if (!(all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(sun_grid.xy))))) return 1.0;
   uint cell = uint(place.y) * uint(sun_grid.x) + uint(place.x);
-  uint from = sun_cells[cell], to = sun_cells[cell + 1u];
+  uint from = sun_cell(cell), to = sun_cell(cell + 1u);
   if (from == to) return 1.0;
   vec3 at = position + sun_eye.xyz;
   // A quarter of a cell is what objects have as a margin there.
@@ -109,10 +113,10 @@ float sun_seen(vec3 position, vec3 step_x, vec3 step_y) {
   uint hidden = 0u;
   float clear = 1.0;
   for (uint i = from; i < to; ++i) {
-    uint entry = sun_cells[i];
+    uint entry = sun_cell(i);
     bool is_sphere = (entry & kSunSphere) != 0u;
     uint row = 7u * entry;
-    vec4 ball = is_sphere ? sun_spheres[entry & ~kSunSphere] : sun_objects[row];
+    vec4 ball = is_sphere ? sun_sphere(entry & ~kSunSphere) : sun_object(row);
     vec3 o = at - ball.xyz;
     float k = -dot(o, sun.xyz);
     float beam = wide + kSunDisc * max(k, 0.0);
@@ -130,7 +134,7 @@ float sun_seen(vec3 position, vec3 step_x, vec3 step_y) {
 #endif
 #if SUN_KINDS & (SUN_QUADRICS | SUN_TORI)
     if (!is_sphere) {
-      opacity = sun_objects[row + 2u].w;
+      opacity = sun_object(row + 2u).w;
       met = sun_behind_object(row, o, step_x, step_y, least, hidden);
     }
 #endif

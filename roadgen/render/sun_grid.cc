@@ -39,19 +39,20 @@ std::array<glm::vec4, kRays> disc_rays() {
   return rays;
 }
 
+constexpr GLuint kFirstUnit = 11;  // of the three that shaders/shadows.glsl reads
 constexpr std::uint32_t kSphere = 0x80000000u;
 // Cells for each object, and how many there are at most; entries of all lists at most.
 constexpr std::size_t kCellsAnObject = 32, kMostCells = std::size_t{1} << 22, kMostEntries = std::size_t{1} << 25;
 // Of a cell, by which objects reach farther: pixels and penumbras spread by as much.
 constexpr double kMargin = 0.25;
 
-Status check_fits(std::size_t bytes) {
+Status check_fits(std::size_t texels) {
   GLint most = 0;
-  glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  if (bytes <= static_cast<std::size_t>(most)) return Done{};
-  return Error{ErrorCode::kData, "the shadows of the objects take " + std::to_string(bytes >> 20) +
-                                     " MiB, more than this OpenGL driver's buffers of " + std::to_string(most >> 20) +
-                                     " MiB; draw the objects without shadows"};
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  if (texels <= static_cast<std::size_t>(most)) return Done{};
+  return Error{ErrorCode::kData, "the shadows of the objects take " + std::to_string(texels) +
+                                     " texels, more than this OpenGL driver's buffers of " + std::to_string(most) +
+                                     "; draw the objects without shadows"};
 }
 
 // A buffer that is never empty.
@@ -71,7 +72,7 @@ Status SunGrid::upload(const ObjectScene& scene) {
   };
   std::size_t spheres = 0;
   for (const SphereSet& set : scene.sphere_sets) spheres += transmission(set.material) > 0.5f ? 0 : set.items.size();
-  if (Status s = check_fits(std::max(7 * scene.objects.size(), spheres) * sizeof(glm::vec4)); !s) return s;
+  if (Status s = check_fits(std::max(7 * scene.objects.size(), spheres)); !s) return s;
   // The middle of all that casts shadows.
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
   const auto include = [&](glm::dvec3 a, glm::dvec3 b) { low = glm::min(low, a), high = glm::max(high, b); };
@@ -117,6 +118,8 @@ Status SunGrid::upload(const ObjectScene& scene) {
   }
   objects_ = buffer_of(rows);
   sphere_buffer_ = buffer_of(spheres_);
+  object_texels_ = gl::Texture::of_buffer(GL_RGBA32F, objects_);
+  sphere_texels_ = gl::Texture::of_buffer(GL_RGBA32F, sphere_buffer_);
   for (const Primitive& p : primitives) kinds_ |= p.kind == PrimitiveKind::kTorus ? kTori : kQuadrics;
   if (!spheres_.empty()) kinds_ |= kSpheres;
   uniforms_ = gl::Buffer::with_data(sizeof(GridUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
@@ -194,8 +197,9 @@ Status SunGrid::sort(glm::dvec3 toward_sun) {
     }
     break;
   }
-  if (Status s = check_fits(cells.size() * sizeof cells[0]); !s) return s;
+  if (Status s = check_fits(cells.size()); !s) return s;
   cells_ = buffer_of(cells);
+  cell_texels_ = gl::Texture::of_buffer(GL_R32UI, cells_);
   return Done{};
 }
 
@@ -209,9 +213,9 @@ Status SunGrid::bind(glm::dvec3 toward_sun, glm::dvec3 eye_m) {
                           glm::ivec4(columns_, rows_, 0, 0), disc_rays()};
   glNamedBufferSubData(uniforms_.id(), 0, sizeof u, &u);
   glBindBufferBase(GL_UNIFORM_BUFFER, 3, uniforms_.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, cells_.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, objects_.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 9, sphere_buffer_.id());
+  glBindTextureUnit(kFirstUnit, cell_texels_.id());
+  glBindTextureUnit(kFirstUnit + 1, object_texels_.id());
+  glBindTextureUnit(kFirstUnit + 2, sphere_texels_.id());
   return Done{};
 }
 

@@ -54,6 +54,7 @@ class SunGrid {
   std::vector<Box> boxes_;
   std::vector<glm::vec4> spheres_;
   gl::Buffer cells_, objects_, sphere_buffer_, uniforms_;
+  gl::Texture cell_texels_, object_texels_, sphere_texels_;
 };
 
 }  // namespace roadgen
