@@ -331,7 +331,7 @@ TEST(OsmImport, CrossingWithoutRoomForARampIsTold) {
   // A tunnel there has no vault under the other, which it would stand in the way of.
   const auto vaults = [](const test::Tags& tunnel, long end) {
     OsmText town;
-    town.node(1, -30, 0).node(2, 8, 0).node(3, 0, -8).node(4, 0, 30).node(5, 0, -30).node(6, -400, 0);
+    town.node(1, -30, 0).node(2, 25, 0).node(3, 0, -25).node(4, 0, 40).node(5, 0, -30).node(6, -400, 0);
     town.way(10, {6, 1, 2, 3}, {{"highway", "residential"}}).way(11, {4, end}, tunnel);
     const ImportResult made = imported(town);
     EXPECT_EQ(mentions(made.diagnostics, "road 11", "no room for its vault"), end == 3);
@@ -339,9 +339,9 @@ TEST(OsmImport, CrossingWithoutRoomForARampIsTold) {
   };
   const test::Tags tunnel = {{"highway", "residential"}, {"tunnel", "yes"}};
   ASSERT_EQ(vaults(tunnel, 5).size(), 1u);
-  EXPECT_NEAR(vaults(tunnel, 5)[0].s_end_m, 60, 0.1);
-  // The other one's carriageway is 5.5 m wide, 30 m from the start.
-  for (const Sweep& vault : vaults(tunnel, 3)) EXPECT_TRUE(vault.s_end_m < 30 - 2.75 || vault.s_start_m > 30 + 2.75);
+  EXPECT_NEAR(vaults(tunnel, 5)[0].s_end_m, 70, 0.1);
+  // The other one's carriageway is 5.5 m wide, 40 m from the start.
+  for (const Sweep& vault : vaults(tunnel, 3)) EXPECT_TRUE(vault.s_end_m < 40 - 2.75 || vault.s_start_m > 40 + 2.75);
   ASSERT_GE(vaults(tunnel, 3).size(), 1u);
   EXPECT_GT(vaults(tunnel, 3)[0].s_end_m, 15);
 }
