@@ -12,7 +12,7 @@ namespace {
 constexpr double kStep_m = 2, kCell_m = 16;
 constexpr double kApart_m = 30;        // along one road that passes over its own tunnel
 constexpr double kOverVault_m = 0.1;   // of the road above over the vault's outside
-constexpr double kEnd_m = 6;           // of a road, that may just touch the tunnel's
+constexpr double kEnd_m = 3;           // of a road, that may just touch the tunnel's
 constexpr double kCrossingSine = 0.5;  // of the angle between a tunnel and a road that does not part from it
 constexpr double kBeside_m = 1.2;      // a road that is so little within the outside lies beside it
 
@@ -175,11 +175,16 @@ void Trimmer::pass_area(const Junction& junction) {
   }
   for (const std::uint32_t i : near) {
     Station& station = stations_[i];
+    const bool is_own = std::any_of(junction.arms.begin(), junction.arms.end(), [&](const JunctionArm& arm) {
+      return arm.road == network_.roads[station.road].id;
+    });
+    const double least = is_own ? kBesideVault_m : kCrossingVault_m;
     for (const double side : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
-      const glm::dvec2 at = station.at_m + side * station.half_m * glm::dvec2(-station.ahead.y, station.ahead.x);
-      if (!is_inside(surface, at)) continue;
+      const double across = side * (station.half_m - kBeside_m);
+      const glm::dvec2 at = station.at_m + across * glm::dvec2(-station.ahead.y, station.ahead.x);
+      if (!station.has_room || !is_inside(surface, at)) continue;
       const double z = height_m_at(surface, at);
-      if (z >= station.road_z + kBesideVault_m && z <= station.crown_z + kOverVault_m) station.has_room = false;
+      station.has_room = z < station.road_z + least || z > station.crown_z + kOverVault_m;
     }
   }
 }
