@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace roadgen {
@@ -43,7 +44,9 @@ class Trimmer {
   }
   static std::int64_t column(double x) { return static_cast<std::int64_t>(std::floor(x / kCell_m)); }
   void add_stations();
+  bool is_near(glm::dvec3 low_m, glm::dvec3 high_m) const;
   bool is_near(const Segment& segment) const;
+  bool is_near_arms(const Junction& junction) const;
   template <class Height>
   void pass(glm::dvec2 point_m, std::uint32_t road, double s_m, const Height& height_m);
   void cross(glm::dvec2 at_m, glm::dvec2 aside, const Road& road, const Segment& segment, double local_m,
@@ -91,17 +94,42 @@ void Trimmer::add_stations() {
   }
 }
 
-// Whether the segment may pass through a vault.
-bool Trimmer::is_near(const Segment& segment) const {
-  const Bounds box = bounds(segment);
-  for (std::int64_t x = column(box.low_m.x); x <= column(box.high_m.x); ++x) {
-    for (std::int64_t y = column(box.low_m.y); y <= column(box.high_m.y); ++y) {
+// Whether what lies in the box may pass through a vault.
+bool Trimmer::is_near(glm::dvec3 low_m, glm::dvec3 high_m) const {
+  for (std::int64_t x = column(low_m.x); x <= column(high_m.x); ++x) {
+    for (std::int64_t y = column(low_m.y); y <= column(high_m.y); ++y) {
       const auto found = cells_.find(cell(x, y));
-      if (found != cells_.end() && box.low_m.z <= found->second.high_z && box.high_m.z >= found->second.low_z)
-        return true;
+      if (found == cells_.end()) continue;
+      if (low_m.z <= found->second.high_z && high_m.z >= found->second.low_z + kCrossingVault_m) return true;
     }
   }
   return false;
+}
+
+// The curve is at most kBulge of its slopes off the chord; banked and cambered surfaces are as high as they are wide at most.
+bool Trimmer::is_near(const Segment& segment) const {
+  constexpr double kBulge = 4.0 / 27;
+  const double half = segment.max_half_width_m();
+  const double bulge = kBulge * (std::abs(segment.slope_start) + std::abs(segment.slope_end));
+  const double beside = half + bulge * segment.chord_length_m();
+  const bool is_level = segment.superelevation_rad == Cubic{} && segment.crossfall_left == Linear{} &&
+                        segment.crossfall_right == Linear{};
+  const Cubic::Range z = segment.elevation_m.range(segment.arc_m);
+  const glm::dvec3 margin(beside, beside, is_level ? 0 : half);
+  return is_near(glm::dvec3(glm::min(segment.start_m, segment.end_m), z.low) - margin,
+                 glm::dvec3(glm::max(segment.start_m, segment.end_m), z.high) + margin);
+}
+
+// The box around all cuts, which are level across but for what their lanes' slopes make of their widths.
+bool Trimmer::is_near_arms(const Junction& junction) const {
+  glm::dvec3 low(1e300), high(-1e300);
+  for (const JunctionArm& arm : junction.arms) {
+    for (const double n : {arm.left_m, arm.right_m}) {
+      const glm::dvec3 at(cut_point_m(arm, n), cut_height_m(arm, n));
+      low = glm::min(low, at), high = glm::max(high, at);
+    }
+  }
+  return is_near(low, high);
 }
 
 // Of the stations whose vault a point of a road's surface lies in. height_m: gives its height, where it is asked for.
@@ -163,6 +191,10 @@ void Trimmer::pass_road(std::uint32_t index) {
 }
 
 void Trimmer::pass_area(const Junction& junction) {
+  const bool may_meet = std::any_of(junction.corners.begin(), junction.corners.end(), [&](const auto& corner) {
+    return std::any_of(corner.begin(), corner.end(), [&](const Segment& segment) { return is_near(segment); });
+  });
+  if (!may_meet && !is_near_arms(junction)) return;
   const JunctionSurface surface = junction_pieces(junction);
   const glm::dvec2 low = glm::dvec2(surface.center_m + surface.low_m),
                    high = glm::dvec2(surface.center_m + surface.high_m);
