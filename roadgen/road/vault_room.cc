@@ -31,6 +31,14 @@ struct Station {
 struct Cell {
   std::vector<std::uint32_t> stations;
   double low_z = 1e300, high_z = -1e300;
+  // The road of them all, kMany if they have several; and where along it they are.
+  static constexpr std::uint32_t kMany = 0xffffffffu;
+  std::uint32_t road = kMany;
+  double low_s = 1e300, high_s = -1e300;
+  // Whether a place of a road is of the same leg as all of them.
+  bool is_own(std::uint32_t index, double s_m) const {
+    return road == index && s_m - low_s < kApart_m && high_s - s_m < kApart_m;
+  }
 };
 
 class Trimmer {
@@ -83,6 +91,8 @@ void Trimmer::add_stations() {
         for (std::int64_t x = column(station.at_m.x - reach); x <= column(station.at_m.x + reach); ++x) {
           for (std::int64_t y = column(station.at_m.y - reach); y <= column(station.at_m.y + reach); ++y) {
             Cell& in = cells_[cell(x, y)];
+            in.road = in.stations.empty() || in.road == i ? i : Cell::kMany;
+            in.low_s = std::min(in.low_s, s), in.high_s = std::max(in.high_s, s);
             in.stations.push_back(static_cast<std::uint32_t>(stations_.size()));
             in.low_z = std::min(in.low_z, station.road_z);
             in.high_z = std::max(in.high_z, station.crown_z + kOverVault_m);
@@ -136,7 +146,7 @@ bool Trimmer::is_near_arms(const Junction& junction) const {
 template <class Height>
 void Trimmer::pass(glm::dvec2 point_m, std::uint32_t road, double s_m, const Height& height_m) {
   const auto near = cells_.find(cell(column(point_m.x), column(point_m.y)));
-  if (near == cells_.end()) return;
+  if (near == cells_.end() || near->second.is_own(road, s_m)) return;
   for (const std::uint32_t i : near->second.stations) {
     Station& station = stations_[i];
     if (!station.has_room || (station.road == road && std::abs(station.s_m - s_m) < kApart_m)) continue;
