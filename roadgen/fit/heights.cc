@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "roadgen/fit/divide.h"
+#include "roadgen/fit/height_span.h"
 #include "roadgen/fit/linear_fit.h"
 #include "roadgen/fit/passings.h"
 #include "roadgen/road/crossing.h"
@@ -33,8 +34,8 @@ constexpr double kInside =
 // comes first, what a hill wants over a tunnel last.
 constexpr double kPassingStrength = 1e6, kGradeStrength = 1e5, kCurvatureStrength = 1e5, kMeantStrength = 3e3,
                  kTunnelStrength = 100;
-constexpr double kPortal_m = 5,
-                 kCover_m = 1.5;  // of tunnels: where the hill begins to matter, and what is wanted of it
+constexpr double kPortal_m = 5;   // within a tunnel, to where no hill is wanted over it
+constexpr double kCover_m = 1.5;  // that is wanted from there on over the vault
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -51,41 +52,6 @@ struct Knot {
   std::uint32_t unknown = 0;   // of two: height and grade
   glm::dvec2 offset_m{0, 0};   // from the node
   glm::dvec2 tangent{1, 0};    // along the road
-};
-
-// A segment between two joints, as sums of unknowns.
-struct Span {
-  LinearSum z0, g0, z1, g1;
-  double length_m;
-
-  LinearSum z_at(double s_m) const {
-    const double x = s_m / length_m, w = 1 - x;
-    LinearSum z;
-    z.add(z0, w * w * (1 + 2 * x));
-    z.add(g0, length_m * x * w * w);
-    z.add(z1, x * x * (3 - 2 * x));
-    z.add(g1, -length_m * x * x * w);
-    return z;
-  }
-  // Second derivative at the start (0) or the end (1).
-  LinearSum bend_at(int end) const {
-    const double h = length_m, sign = end == 0 ? 1 : -1;
-    LinearSum bend;
-    bend.add(z1, sign * 6 / (h * h));
-    bend.add(z0, -sign * 6 / (h * h));
-    bend.add(g0, -sign * (end == 0 ? 4 : 2) / h);
-    bend.add(g1, -sign * (end == 0 ? 2 : 4) / h);
-    return bend;
-  }
-  // The Bernstein coefficient of the grade between those at both ends.
-  LinearSum middle_grade() const {
-    LinearSum grade;
-    grade.add(z1, 3 / length_m);
-    grade.add(z0, -3 / length_m);
-    grade.add(g0, -1);
-    grade.add(g1, -1);
-    return grade;
-  }
 };
 
 glm::dvec2 direction(double heading_rad) { return {std::cos(heading_rad), std::sin(heading_rad)}; }
@@ -135,10 +101,10 @@ class HeightFitter {
   double cover_m(std::uint32_t road, double s_m) const;
   void lay_knots();
   LinearSum sum_of(const Knot& knot, bool grade) const;
-  Span span(std::uint32_t road, std::size_t segment) const;
+  HeightSpan span(std::uint32_t road, std::size_t segment) const;
   void add_roads(LinearFit& fit);
-  void add_ground(LinearFit& fit, std::uint32_t road, const Segment& segment, const Span& span);
-  void add_limits(LinearFit& fit, const Road& road, const Span& span) const;
+  void add_ground(LinearFit& fit, std::uint32_t road, const Segment& segment, const HeightSpan& span);
+  void add_limits(LinearFit& fit, const Road& road, const HeightSpan& span) const;
   void add_areas(LinearFit& fit) const;
   LinearSum height_of(const HeightSpot& spot) const;
   void add_passings(LinearFit& fit) const;
@@ -324,13 +290,13 @@ LinearSum HeightFitter::sum_of(const Knot& knot, bool grade) const {
   return sum;
 }
 
-Span HeightFitter::span(std::uint32_t road, std::size_t segment) const {
+HeightSpan HeightFitter::span(std::uint32_t road, std::size_t segment) const {
   const Knot &a = knots_[road][segment], &b = knots_[road][segment + 1];
   return {sum_of(a, false), sum_of(a, true), sum_of(b, false), sum_of(b, true),
           network_.roads[road].segments[segment].arc_m};
 }
 
-void HeightFitter::add_ground(LinearFit& fit, std::uint32_t road, const Segment& segment, const Span& span) {
+void HeightFitter::add_ground(LinearFit& fit, std::uint32_t road, const Segment& segment, const HeightSpan& span) {
   const int count = std::max(1, static_cast<int>(std::ceil(segment.arc_m / kSample_m)));
   for (int k = 0; k < count; ++k) {
     const double s = segment.arc_m * (k + 0.5) / count;
@@ -350,7 +316,7 @@ void HeightFitter::add_ground(LinearFit& fit, std::uint32_t road, const Segment&
   }
 }
 
-void HeightFitter::add_limits(LinearFit& fit, const Road& road, const Span& span) const {
+void HeightFitter::add_limits(LinearFit& fit, const Road& road, const HeightSpan& span) const {
   const HeightLimits limits = limits_of(road);
   for (const LinearSum& grade : {span.g0, span.middle_grade(), span.g1}) {
     const double most = kInside * limits.grade;
@@ -368,7 +334,7 @@ void HeightFitter::add_roads(LinearFit& fit) {
     const Road& road = network_.roads[i];
     for (std::size_t k = 0; k + 1 < knots_[i].size(); ++k) {
       const Segment& segment = road.segments[k];
-      const Span s = span(i, k);
+      const HeightSpan s = span(i, k);
       add_ground(fit, i, segment, s);
       // The integral of z''^2, which is linear: h (mean^2 + difference^2 / 12).
       LinearSum mean = s.bend_at(0), difference = s.bend_at(0);
@@ -456,7 +422,7 @@ void HeightFitter::take(const LinearFit& fit) {
   for (std::uint32_t i = 0; i < knots_.size(); ++i) {
     for (std::size_t k = 0; k + 1 < knots_[i].size(); ++k) {
       Segment& segment = network_.roads[i].segments[k];
-      const Span s = span(i, k);
+      const HeightSpan s = span(i, k);
       segment.elevation_m =
           Cubic::hermite(fit.value(s.z0), fit.value(s.g0), fit.value(s.z1), fit.value(s.g1), segment.arc_m);
     }

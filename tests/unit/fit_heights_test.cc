@@ -12,8 +12,8 @@
 #include "roadgen/fit/linear_fit.h"
 #include "roadgen/import/import.h"
 #include "roadgen/road/crossing.h"
+#include "terrain/levelling.h"
 #include "terrain/natural.h"
-#include "terrain/terrain.h"
 #include "tests/unit/terrain_scenes.h"
 
 namespace roadgen {
@@ -252,7 +252,7 @@ TEST(FitHeights, TunnelsGoUnderTheGround) {
   options.max_curvature_per_m = 1.0 / 200;
   const auto report = fit_heights(network, ground([](double, double) { return 10.0; }), options);
   ASSERT_TRUE(report.ok());
-  for (double s = 0; s <= 115; s += 5) {
+  for (double s = 0; s <= 100; s += 5) {
     EXPECT_LE(pose_at(network.roads[1], s, 0).position_m.z, 10 - needed) << s;
     EXPECT_LE(pose_at(network.roads[0], 300 - s, 0).position_m.z, 10 - needed) << s;
   }
@@ -295,7 +295,9 @@ TEST(FitHeights, MonacoLiesOnItsHills) {
                  dem = data / "terrain/srtm-hgt/N43E007.hgt.zip";
   if (!fs::exists(roads) || !fs::exists(dem))
     GTEST_SKIP() << "no " << roads << " or no " << dem << ": the public data are not here";
-  auto imported = import_files({roads.string()}, {});
+  ImportOptions options;
+  options.heights_follow = true;
+  auto imported = import_files({roads.string()}, options);
   ASSERT_TRUE(imported.ok());
   Network& network = imported->network;
   const auto elevation = Elevation::open(dem.string());
@@ -317,15 +319,18 @@ TEST(FitHeights, MonacoLiesOnItsHills) {
   }
   const CheckReport checked = check(network);
   EXPECT_TRUE(checked.ok()) << checked.problems.front();
-  // Of 61 stretches of road in tunnels most lie under their hills.
-  TerrainOptions terrain;
-  terrain.margin_m = 100;
-  terrain.spacing_m = 8;
-  const auto built = Terrain::build(network, &*elevation, terrain);
-  ASSERT_TRUE(built.ok());
-  std::printf("%zu tunnel parts, %.0f m\n", built->report().tunnel_parts, built->report().tunnel_m);
-  EXPECT_GE(built->report().tunnel_parts, 50u);
-  EXPECT_GE(built->report().tunnel_m, 5200);
+  // Of the 61 roads in tunnels, 6,192 m, most lie under their hills.
+  const Bounds box = bounds(network);
+  const Grid natural =
+      natural_from_elevation(*elevation, network, {glm::dvec2(box.low_m) - 100.0, glm::dvec2(box.high_m) + 100.0}, 40);
+  const RoadIndex index(network);
+  const Levelling levelling(index, natural, {});
+  const Supports& supports = levelling.supports();
+  std::printf("%zu parts in tunnels, %.0f m, and %zu areas\n", supports.parts(Support::kTunnel),
+              supports.length_m(Support::kTunnel), supports.halls().size());
+  EXPECT_GE(supports.parts(Support::kTunnel), 54u);
+  EXPECT_GE(supports.length_m(Support::kTunnel), 5400);
+  EXPECT_GE(supports.halls().size(), 5u);
 }
 
 }  // namespace

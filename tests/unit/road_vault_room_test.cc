@@ -28,7 +28,7 @@ Network crossing(double above_m, double turn_rad = 1.5707963267948966) {
 }
 
 TEST(VaultRoom, RoadsAboveOrBesideOrBelowLeaveTheVaultAlone) {
-  for (const double above : {7.3, 20.0, 0.5, 0.0, -3.0}) {
+  for (const double above : {7.3, 20.0, 0.0, -3.0}) {
     Network network = crossing(above);
     EXPECT_TRUE(trim_vaults(network).empty()) << above;
     ASSERT_EQ(network.roads[0].sweeps.size(), 1u);
@@ -37,10 +37,10 @@ TEST(VaultRoom, RoadsAboveOrBesideOrBelowLeaveTheVaultAlone) {
 }
 
 // At any angle: no vault at any point under the road, and no more is taken than the road covers of the vault, to the whole
-// steps of 2 m, and one to either side.
+// steps of 2 m, and two to either side.
 TEST(VaultRoom, ARoadThroughTheVaultTakesItAwayThere) {
   for (const double turn : {1.5707963267948966, 1.0, 0.6, -1.2}) {
-    for (const double above : {1.2, 4.0, 7.0}) {
+    for (const double above : {0.4, 1.2, 4.0, 7.0}) {
       Network network = crossing(above, turn);
       const std::vector<VaultGap> gaps = trim_vaults(network);
       ASSERT_EQ(gaps.size(), 1u);
@@ -48,7 +48,7 @@ TEST(VaultRoom, ARoadThroughTheVaultTakesItAwayThere) {
       const double half = 4 / std::abs(std::sin(turn));
       EXPECT_LT(gaps[0].s_start_m, 100 - half);
       EXPECT_GT(gaps[0].s_end_m, 100 + half);
-      EXPECT_LT(gaps[0].s_end_m - gaps[0].s_start_m, 2 * half + 12 / std::abs(std::tan(turn)) + 8.1);
+      EXPECT_LT(gaps[0].s_end_m - gaps[0].s_start_m, 2 * half + 12 / std::abs(std::tan(turn)) + 12.1);
       ASSERT_EQ(network.roads[0].sweeps.size(), 2u);
       EXPECT_NEAR(network.roads[0].sweeps[0].s_end_m, gaps[0].s_start_m, 1e-9);
       EXPECT_NEAR(network.roads[0].sweeps[1].s_start_m, gaps[0].s_end_m, 1e-9);
