@@ -27,6 +27,7 @@
 
 namespace roadgen {
 
+// Of fill over a tunnel: more would be a dam across the country, and the elevation of towns is no better than that.
 inline constexpr double kMostRoof_m = 2.5;
 
 struct LevellingOptions {

@@ -14,10 +14,10 @@ struct VaultGap {
   double s_start_m = 0, s_end_m = 0;
 };
 
-// Takes vaults of tunnels away where a road or an area passes through them: where its surface lies below the vault's outside and
-// above the tunnel's road by kBesideVault_m or more, or kCrossingVault_m where its middle crosses the tunnel at 30 degrees or
-// more or the area is another one than the tunnel's; seen about every 2 m. What is left of a tunnel stays, but for pieces shorter than kLeastVault_m. Cost: O(metres of
-// tunnels + segments).
+// Takes vaults of tunnels away where a road or an area passes through them: where its surface lies below the vault's
+// outside and above the tunnel's road by kBesideVault_m or more, or kCrossingVault_m where its middle crosses the tunnel
+// at 30 degrees or more or the area is another one than the tunnel's; seen about every 2 m. What is left of a tunnel
+// stays, but for pieces shorter than kLeastVault_m. Cost: O(metres of tunnels + segments).
 std::vector<VaultGap> trim_vaults(Network& network);
 inline constexpr double kBesideVault_m = 1;  // what lies lower is a road that parts from the tunnel's
 inline constexpr double kCrossingVault_m = 0.05;
