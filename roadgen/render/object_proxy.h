@@ -15,8 +15,8 @@ struct ProxyMesh {
   std::vector<glm::vec3> corners;
   std::vector<std::uint16_t> elements;
 };
-// Empty for kHull, which is not one for all. sides: of polygons, >= 3; 4 gives squares whose sides follow the axes. Corners of kOutline and kRing are what NAME_outline
-// takes.
+// Empty for kHull, which is not one for all. sides: of polygons, >= 3; 4 gives squares whose sides follow the axes. Corners of
+// kOutline and kRing are what NAME_outline takes.
 ProxyMesh proxy_mesh(Proxy proxy, int sides);
 
 // Triangles of `count` polygons of that many corners each, whose vertices follow one another. Requires: at most 65,536
