@@ -4,13 +4,17 @@ layout(location = 1) flat in vec4 up;
 layout(location = 2) flat in vec4 forward;
 layout(location = 3) flat in vec4 sun;
 layout(location = 4) flat in vec4 given_material[4];
+#ifndef CHANNELS
 layout(location = 8) flat in vec4 given_harmonics[7];
+#endif
 vec4 eye_phase = vec4(0.0, 0.0, given_material[3].zw);
+#ifndef CHANNELS
 vec3 environment_harmonic(int i) {
   int k = 3 * i;
   return vec3(given_harmonics[k / 4][k % 4], given_harmonics[(k + 1) / 4][(k + 1) % 4],
               given_harmonics[(k + 2) / 4][(k + 2) % 4]);
 }
+#endif
 #define FRAME_GIVEN
 #include "frame.glsl"
 #include "spheres.glsl"
