@@ -16,6 +16,8 @@ in vec3 ground_normal;
 in float road_m;
 
 #ifndef CHANNELS
+const float kInside = 0.3;  // light within a hill
+
 layout(binding = 5) uniform sampler2D ground_textures[3];  // of grass, rock and gravel, linear light
 // Their repeats, m: two, the second turned, whose mixture changes from place to place. Both fit into NOISE_PERIOD, also as
 // turned by (3, 4) / 5. Where a pixel holds so much of the ground that repeats would be seen side by side, their mean
@@ -107,6 +109,8 @@ void main() {
   albedo = mix(albedo, gravel, verge);
   // Bumps of the rock up to 3 m, of the meadow up to 0.6 m.
   vec3 bumped = normalize(normal - vec3(middle.yz, 0.0) * mix(0.7, 4.0, bareness));
-  out_color = vec4(frame_shade(albedo, frame_light(bumped, relative)), 1.0);
+  // Over junctions in tunnels it is seen from below: bare rock that no daylight reaches.
+  out_color = vec4(gl_FrontFacing ? frame_shade(albedo, frame_light(bumped, relative))
+                                  : frame_tone(kInside * ground_rock(middle.x, fine, strata)), 1.0);
 #endif
 }
