@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roadgen/road/sweep_piece.h"
+#include "roadgen/road/vault_room.h"
 
 namespace roadgen {
 namespace {
@@ -12,7 +13,7 @@ constexpr double kRailOff_m = 0.2, kWallOff_m = 0.75;  // beyond the edges
 
 void add_where_wide(Road& road, const Sweep& sweep) {
   if (!bad_numbers(road, sweep).empty()) return;
-  const std::vector<Sweep> parts = parts_between_tight_bends(road, sweep, kLeastStructure_m);
+  const std::vector<Sweep> parts = parts_between_tight_bends(road, sweep, kLeastVault_m);
   road.sweeps.insert(road.sweeps.end(), parts.begin(), parts.end());
 }
 

@@ -7,9 +7,8 @@
 namespace roadgen {
 
 // A bridge with guard rails, or the vault of a tunnel, all along the road but where it bends too tightly for them, and where
-// less than kLeastStructure_m would be left.
+// less than kLeastVault_m of roadgen/road/vault_room.h would be left.
 // touches_*: other roads part from it there without an area between them; there is no rail across those.
 void add_structures(Road& road, const WayTags& of, bool touches_start, bool touches_end);
-inline constexpr double kLeastStructure_m = 2;
 
 }  // namespace roadgen

@@ -38,6 +38,26 @@ Road level_road(const std::string& id, double z, double aside = 0) {
       [=](double) { return z; });
 }
 
+// Three level roads that meet in a junction at the origin; dress adds to each of them.
+Network star(double length_m, double z, const std::function<void(Road&)>& dress) {
+  Network network;
+  std::vector<JunctionArm> arms;
+  for (int i = 0; i < 3; ++i) {
+    const double heading = i * 2 * kPi / 3;
+    const glm::dvec2 outward(std::cos(heading), std::sin(heading));
+    const std::string id = std::to_string(i);
+    network.roads.push_back(road_along(
+        id, length_m, 20, 3.5, [=](double s) { return straight(12.0 * outward, heading, s); },
+        [=](double) { return z; }));
+    dress(network.roads.back());
+    arms.push_back({.road = id, .position_m = 12.0 * outward, .heading_rad = heading + kPi, .elevation_m = z});
+  }
+  auto junction = make_junction("j", arms);
+  EXPECT_TRUE(junction.ok());
+  if (junction.ok()) network.junctions.push_back(*junction);
+  return network;
+}
+
 using Hills = std::function<double(double along, double aside)>;
 Elevation elevation_of(const Hills& hills) {
   const auto height = [&](double x, double y) {
@@ -210,21 +230,8 @@ TEST(Terrain, ABridgeOverACutRoadLeavesTheCutting) {
 }
 
 TEST(Terrain, AJunctionWhoseArmsAreAllOnBridgesStandsOverTheGround) {
-  Network network;
-  std::vector<JunctionArm> arms;
-  for (int i = 0; i < 3; ++i) {
-    const double heading = i * 2 * kPi / 3;
-    const glm::dvec2 outward(std::cos(heading), std::sin(heading));
-    network.roads.push_back(road_along(
-        std::to_string(i), 100, 20, 3.5, [=](double s) { return straight(12.0 * outward, heading, s); },
-        [](double) { return 510.0; }));
-    network.roads.back().bridges = {{.s_start_m = 0, .s_end_m = 60}};
-    arms.push_back(
-        {.road = std::to_string(i), .position_m = 12.0 * outward, .heading_rad = heading + kPi, .elevation_m = 510});
-  }
-  auto junction = make_junction("j", arms);
-  ASSERT_TRUE(junction) << junction.error().text();
-  network.junctions.push_back(*junction);
+  Network network = star(100, 510, [](Road& road) { road.bridges = {{.s_start_m = 0, .s_end_m = 60}}; });
+  ASSERT_EQ(network.junctions.size(), 1u);
   const Elevation elevation = elevation_of([](double, double) { return 500.0; });
   EXPECT_EQ(supports_of(network).of_junction(0), Support::kBridge);
   const Terrain bridge = build(network, &elevation);
@@ -500,28 +507,15 @@ TEST(Terrain, NoFillIsPutOnARoad) {
 
 // Three tunnels meet in a junction under a hill, which is kept over it; the area's floor is told below it.
 TEST(Terrain, AJunctionInTunnelsIsUnderTheHill) {
-  const auto network_of = [](double tunnels_m) {
-    Network network;
-    std::vector<JunctionArm> arms;
-    for (int i = 0; i < 3; ++i) {
-      const double heading = i * 2 * kPi / 3;
-      const glm::dvec2 outward(std::cos(heading), std::sin(heading));
-      network.roads.push_back(road_along(
-          std::to_string(i), 150, 20, 3.5, [=](double s) { return straight(12.0 * outward, heading, s); },
-          [](double) { return 500.0; }));
-      if (i < 2 || tunnels_m > 0) network.roads.back().sweeps = {{.s_end_m = 60, .shape = Tunnel{.half_width_m = 5}}};
-      network.roads.back().joined_start = true;
-      arms.push_back(
-          {.road = std::to_string(i), .position_m = 12.0 * outward, .heading_rad = heading + kPi, .elevation_m = 500});
-    }
-    auto junction = make_junction("j", arms);
-    EXPECT_TRUE(junction.ok());
-    network.junctions.push_back(*junction);
-    return network;
+  const auto network_of = [](int tunnels) {
+    return star(150, 500, [=, left = tunnels](Road& road) mutable {
+      if (left-- > 0) road.sweeps = {{.s_end_m = 60, .shape = Tunnel{.half_width_m = 5}}};
+      road.joined_start = true;
+    });
   };
   const Elevation hill =
       elevation_of([](double x, double y) { return 500 + 20 / (1 + std::pow(std::hypot(x, y) / 75, 8)); });
-  const Terrain kept = build(network_of(60), &hill);
+  const Terrain kept = build(network_of(3), &hill);
   EXPECT_EQ(kept.report().tunnel_parts, 3u);
   EXPECT_EQ(kept.report().tunnel_areas, 1u);
   for (int i = 0; i < 36; ++i) {
@@ -533,7 +527,7 @@ TEST(Terrain, AJunctionInTunnelsIsUnderTheHill) {
   EXPECT_GT(kept.normal(glm::dvec3(1, 2, 500)).z, 1 - 1e-6);
   EXPECT_LE(kept.report().clearance_max_m, kMost_m);
   // One arm in the open: the area is cut open.
-  const Terrain open = build(network_of(0), &hill);
+  const Terrain open = build(network_of(2), &hill);
   EXPECT_EQ(open.report().tunnel_areas, 0u);
   EXPECT_LT(open.height_m({1, 2}), 500);
 }
